@@ -1,0 +1,33 @@
+# Two commands do all the set-up: `make all-videos` and `make test`. The rest is for those who work on emovid.
+PYTHON ?= python3
+JOBS ?= $(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
+BIN := .venv/bin
+
+.PHONY: all-videos setup test lint format clean
+
+all-videos: .venv/installed
+	$(BIN)/emovid render --all --jobs $(JOBS) -o videos
+
+test: .venv/dev-installed
+	$(BIN)/python -m pytest -n $(JOBS)
+
+lint: .venv/dev-installed
+	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy && $(BIN)/lint-imports
+
+format: .venv/dev-installed
+	$(BIN)/ruff check --fix . ; $(BIN)/ruff format .
+
+setup: .venv/dev-installed
+
+clean:
+	rm -rf .venv videos dist build .*_cache
+
+.venv/installed: pyproject.toml constraints.txt
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "emovid needs Python 3.11 or newer: make PYTHON=python3.11 $(MAKECMDGOALS)")'
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable .
+	touch $@
+
+.venv/dev-installed: .venv/installed
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[dev]'
+	touch $@

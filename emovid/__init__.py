@@ -1,0 +1,28 @@
+"""Emotions expressed by a robot swarm: scenes, their simulation and their videos.
+
+>>> from emovid import load_scene, simulate, render_video
+"""
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from emovid.scene.load import load_scene
+    from emovid.swarm.simulate import simulate
+    from emovid.video.render import render_video
+
+__all__ = ["load_scene", "render_video", "simulate"]
+
+_HOMES = {
+    "load_scene": "emovid.scene.load",
+    "simulate": "emovid.swarm.simulate",
+    "render_video": "emovid.video.render",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Import the public API on first use: the command line must not pay for what it does not need (PEP 562)."""
+    from importlib import import_module
+
+    if name not in _HOMES:
+        raise AttributeError(f"module 'emovid' has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name]), name)

@@ -1,0 +1,73 @@
+"""The `emovid` command, and the one place where errors become a line on stderr and an exit code."""
+
+import os
+import signal
+import sys
+from typing import Annotated, NoReturn
+
+import typer
+from typer.exceptions import TyperException
+
+from emovid.cli import scene
+from emovid.cli.render import render
+from emovid.cli.simulate import simulate
+from emovid.errors import EmovidError
+
+app = typer.Typer(
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+app.command()(render)
+app.command()(simulate)
+app.add_typer(scene.app, name="scene")
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"emovid {version('emovid')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _emovid(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+) -> None:
+    """Videos, figures and user studies of emotions expressed by a robot swarm (Santos and Egerstedt, 2021)."""
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line and return its exit code: 0, 1 for a failure, 2 for bad input, 130 or 143 for a signal."""
+    signal.signal(signal.SIGTERM, _on_sigterm)
+    try:
+        # Without standalone mode Typer returns the code of an Exit, and raises what a user did wrong.
+        return int(app(arguments, prog_name="emovid", standalone_mode=False) or 0)
+    except EmovidError as error:
+        return _say(str(error), error.exit_code)
+    except TyperException as error:
+        return _say(error.format_message(), error.exit_code)
+    except (KeyboardInterrupt, typer.Abort):
+        return _say("interrupted; run again to go on", 130)
+    except MemoryError:
+        return _say("not enough memory: fewer robots, a longer control_period or a shorter duration need less", 1)
+    except BrokenPipeError:  # whoever read our output has had enough, as `head` does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+
+
+def _say(message: str, code: int) -> int:
+    print("emovid: " + " ".join(message.split()) if message else "", file=sys.stderr)
+    return code
+
+
+def _on_sigterm(*_: object) -> NoReturn:
+    raise SystemExit(143)
+
+
+def run() -> NoReturn:
+    """Run as a program."""
+    sys.exit(main())

@@ -1,0 +1,83 @@
+"""Options that several commands share, and the scene settings they make."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from emovid.errors import InputError
+
+Source = Annotated[
+    str | None,
+    typer.Argument(metavar="[SCENE]", help="A scene file (.yaml), or the name of an emotion.", show_default=False),
+]
+Emotion = Annotated[str | None, typer.Option("--emotion", "-e", help="One of the six shipped scenes.", show_default=False)]
+Set = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Replace a key of the scene, as in robot.l=0.002.", show_default=False),
+]
+Seed = Annotated[int | None, typer.Option("--seed", help="Replace the scene's seed.", show_default=False)]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")]
+Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
+Force = Annotated[bool, typer.Option("--force", "-f", help="Make it again, whatever is there.")]
+
+
+def one_source(source: str | None, emotion: str | None) -> str:
+    """Return the scene that is meant, given as an argument or by `--emotion`."""
+    from emovid.scene.emotions import EMOTIONS
+
+    if (source is None) == (emotion is None):
+        raise InputError("expected one scene: a file, or --emotion and one of " + ", ".join(EMOTIONS))
+    if emotion is not None:
+        check_emotion(emotion)
+    return source or emotion or ""
+
+
+def check_emotion(emotion: str) -> None:
+    """Raise an `InputError` unless `emotion` is one of the six."""
+    from emovid.errors import nearest
+    from emovid.scene.emotions import EMOTIONS
+
+    if emotion not in EMOTIONS:
+        raise InputError(f"--emotion {emotion}: expected one of {', '.join(EMOTIONS)}{nearest(emotion, EMOTIONS)}")
+
+
+def settings(
+    pairs: Sequence[str] | None, seed: int | None = None, size: str | None = None, fps: int | None = None
+) -> "list[Setting]":
+    """Return the keys that options replace, the special ones last."""
+    from emovid.scene.load import Setting
+
+    made = []
+    for pair in pairs or ():
+        key, equals, value = pair.partition("=")
+        if not equals or not key.strip():
+            raise InputError(f"--set {pair}: expected KEY=VALUE, as in robot.l=0.002")
+        made.append(Setting(key.strip(), value.strip(), f"--set {pair[:60]}"))
+    for key, option in (("seed", seed), ("video.size", size), ("video.fps", fps)):
+        if option is not None:
+            made.append(Setting(key, option, f"--{key.removeprefix('video.')} {option}"))
+    return made
+
+
+def output_file(output: Path | None, name: str, default: str, suffixes: Sequence[str], others: Sequence[str] = ()) -> Path:
+    """Return the file an `-o` means: itself if it ends in one of `suffixes`, else `name` in that folder.
+
+    Args:
+        output: as given.
+        name: of the file, with its suffix.
+        default: the folder if nothing was given.
+        suffixes: of the files we can write.
+        others: suffixes that clearly mean a file, but one we cannot write.
+    """
+    chosen = output or Path(default)
+    if chosen.suffix.lower() in suffixes:
+        if chosen.is_dir():
+            raise InputError(f"-o {chosen}: is a folder; expected a file")
+        return chosen
+    if chosen.suffix.lower() in others:
+        raise InputError(f"-o {chosen}: cannot write {chosen.suffix}; expected {' or '.join(suffixes)}, or a folder")
+    if chosen.exists() and not chosen.is_dir():
+        raise InputError(f"-o {chosen}: is a file; expected a folder, or a name that ends in {' or '.join(suffixes)}")
+    return chosen / name

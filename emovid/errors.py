@@ -1,0 +1,43 @@
+"""What can go wrong, said in one line.
+
+Every error a user can cause is an `EmovidError`. Its text is the whole message, its `exit_code` what the
+command line returns. They are caught once, in `emovid.cli.main`.
+"""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+class EmovidError(Exception):
+    """Something that ends the command with one line on stderr: exit code 1, a failure that is not the input's."""
+
+    exit_code = 1
+
+
+class InputError(EmovidError):
+    """What the user gave cannot be used: exit code 2, and nothing has been written."""
+
+    exit_code = 2
+
+
+class SceneError(InputError):
+    """A scene that cannot be meant: where (`file:line` or the option), which key, what was given, what is expected."""
+
+    def __init__(self, where: str, key: str, message: str) -> None:
+        super().__init__(": ".join(part for part in (where, key, message) if part))
+        self.where, self.key, self.message = where, key, message
+
+    def __reduce__(self) -> tuple[type["SceneError"], tuple[str, str, str]]:
+        # An exception is rebuilt from its `args` when it crosses to another process; ours takes three.
+        return SceneError, (self.where, self.key, self.message)
+
+
+class RenderError(EmovidError):
+    """A video that could not be made: the encoder failed, or the file is not whole."""
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """Return ` (did you mean X?)` for the known word closest to `word`, upper and lower case alike, or ``""``."""
+    by_lower = {name.lower(): name for name in known}
+    close = get_close_matches(word.lower(), by_lower, n=1, cutoff=0.6)
+    return f" (did you mean {by_lower[close[0]]}?)" if close else ""

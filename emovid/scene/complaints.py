@@ -1,0 +1,152 @@
+"""What pydantic found wrong with a scene, in one line that a scene's author understands."""
+
+from collections.abc import Mapping
+from typing import Any, Literal, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+
+from emovid.errors import SceneError, nearest
+from emovid.scene.model import KeyPath, Places, Scene, place_of
+
+_BOUNDS = {
+    "greater_than": ("gt", "more than"),
+    "greater_than_equal": ("ge", "at least"),
+    "less_than": ("lt", "less than"),
+    "less_than_equal": ("le", "at most"),
+}
+_KINDS = {
+    "float_type": "a number",
+    "finite_number": "a finite number",
+    "int_type": "a whole number",
+    "string_type": "text",
+    "list_type": "a list",
+    "tuple_type": "a list",
+    "model_type": "a group of keys",
+    "model_attributes_type": "a group of keys",
+}
+
+
+def complaint(error: ValidationError, places: Places) -> SceneError:
+    """Return the first problem, by the line it stands on, as a `SceneError`.
+
+    Args:
+        error: from validating a `Scene`.
+        places: of the keys.
+    """
+    found = [_problem(item) for item in error.errors(include_url=False)]
+    placed = [(place_of(path, places), path, message) for path, message in found]
+    where, path, message = min(placed, key=lambda problem: _line(problem[0]))
+    return SceneError(where, ".".join(map(str, path)), message)
+
+
+def _line(where: str) -> int:
+    number = where.rsplit(":", 1)[-1]
+    return int(number) if number.isdigit() else 0
+
+
+def _problem(item: Mapping[str, Any]) -> tuple[KeyPath, str]:
+    """Return the path in the scene and the message of one pydantic error."""
+    kind, given, context = item["type"], item["input"], item.get("ctx", {})
+    path = _walk(item["loc"])[0]
+    if kind == "inconsistent":
+        return tuple(context["key"].split(".")), context["message"]
+    if kind == "extra_forbidden":
+        return path, f"unknown key{_known_key(item['loc'], path)}"
+    if kind == "missing":
+        return path, f"missing ({_description(item['loc'])})"
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        key = context["discriminator"].strip("'")
+        expected = _tags(item["loc"], key)
+        if kind == "union_tag_not_found":
+            return (*path, key), f"missing; expected {_one_of(expected)}"
+        return (*path, key), _wrong_word(given[key], expected)
+    if kind == "literal_error":
+        return path, _wrong_word(given, context["expected"].replace("' or '", "', '").strip("'").split("', '"))
+    if kind in _BOUNDS:
+        bound, words = _BOUNDS[kind]
+        return path, f"{_shown(given)}: expected {words} {context[bound]:g}"
+    return path, f"{_shown(given)}: expected {_expected(kind, path, context, item['msg'])}"
+
+
+def _expected(kind: str, path: KeyPath, context: Mapping[str, Any], message: str) -> str:
+    if "colours" in path and kind in ("string_type", "string_pattern_mismatch"):
+        return 'a colour in quotes, as in "#0072b2"'
+    if path == ("video", "size"):
+        return "width x height in pixels, as in 1280x720"
+    if kind == "too_short":
+        return f"at least {context['min_length']}"
+    return _KINDS.get(kind, message)
+
+
+def _shown(value: Any) -> str:
+    if value is None:
+        return "empty"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, dict):
+        return "a group of keys"
+    text = f"{value:.15g}" if isinstance(value, float) else repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _one_of(words: list[str]) -> str:
+    return words[0] if len(words) == 1 else "one of " + ", ".join(words)
+
+
+def _wrong_word(given: Any, expected: list[str]) -> str:
+    hint = nearest(given, expected) if isinstance(given, str) else ""
+    return f"{_shown(given)}: expected {_one_of(expected)}{hint}"
+
+
+def _known_key(loc: KeyPath, path: KeyPath) -> str:
+    known = [name for model in _models_at(loc[:-1]) for name in model.model_fields]
+    parents = "".join(f"{part}." for part in path[:-1])
+    hint = nearest(str(path[-1]), known)
+    return hint.replace("mean ", f"mean {parents}") if hint else f"; expected {_one_of(known)}"
+
+
+def _description(loc: KeyPath) -> str:
+    for model in _models_at(loc[:-1]):
+        if field := model.model_fields.get(str(loc[-1])):
+            return str(field.description)
+    return "a value"
+
+
+def _tags(loc: KeyPath, discriminator: str) -> list[str]:
+    models = _models_at(loc)
+    return list(dict.fromkeys(_literal(model, discriminator) for model in models))
+
+
+def _literal(model: type[BaseModel], field: str) -> str:
+    return str(get_args(model.model_fields[field].annotation)[0])
+
+
+def _models_at(loc: KeyPath) -> list[type[BaseModel]]:
+    """Return the models that a pydantic location may stand for: several at a union, one behind its tags."""
+    return _walk(loc)[1]
+
+
+def _walk(loc: KeyPath) -> tuple[KeyPath, list[type[BaseModel]]]:
+    """Follow a pydantic location from `Scene`: its path without union tags, which no scene spells as a step, and
+    the models it leads to."""
+    models: list[type[BaseModel]] = [Scene]
+    path: list[str | int] = []
+    for part in loc:
+        if len(models) > 1:  # at a union, pydantic names the tag that it chose
+            models = [model for model in models if part in _all_literals(model)]
+            continue
+        path.append(part)
+        if isinstance(part, str) and models and part in models[0].model_fields:
+            models = _models_in(models[0].model_fields[part].annotation)
+    return tuple(path), models
+
+
+def _all_literals(model: type[BaseModel]) -> set[str]:
+    fields = model.model_fields.values()
+    return {get_args(field.annotation)[0] for field in fields if get_origin(field.annotation) is Literal}
+
+
+def _models_in(annotation: Any) -> list[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for argument in get_args(annotation) for model in _models_in(argument)]

@@ -1,0 +1,133 @@
+"""From a YAML file, with overrides, to a valid `Scene`: the door of this room."""
+
+import hashlib
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import yaml
+from pydantic import ValidationError
+
+from emovid.errors import SceneError, nearest
+from emovid.scene import yaml_text
+from emovid.scene.complaints import complaint
+from emovid.scene.emotions import EMOTIONS
+from emovid.scene.model import KeyPath, Scene
+from emovid.whole_files import reason
+
+MAX_BYTES = 32_000_000  # a scene that lists the poses of 100 000 robots has 5 MB
+
+
+class Setting(NamedTuple):
+    """One key of a scene replaced from outside.
+
+    Attributes:
+        key: dotted, as in ``robot.l``.
+        value: as text, read as in a scene; or a plain value.
+        origin: what to call it in messages, as in ``--set robot.l=2``.
+    """
+
+    key: str
+    value: Any
+    origin: str
+
+
+def load_scene(source: str | Path, settings: Iterable[Setting] = ()) -> Scene:
+    """Return the scene of a YAML file, or the shipped one of an emotion.
+
+    Args:
+        source: a file, or one of the six emotions.
+        settings: keys to replace, in order.
+
+    Raises:
+        SceneError: for a file that cannot be read or a scene that cannot be meant, with file, line and key.
+    """
+    path = find_scene(source)
+    return parse_scene(_read(path), str(path), settings)
+
+
+def find_scene(source: str | Path) -> Path:
+    """Return the file of `source`: an emotion's shipped scene, or the path itself if there is such a file."""
+    if str(source) in EMOTIONS:
+        return shipped_scene(str(source))
+    path = Path(source)
+    if not path.exists():
+        raise SceneError(str(source), "", f"no such file or emotion{nearest(str(source), EMOTIONS)}")
+    return path
+
+
+def shipped_scene(emotion: str) -> Path:
+    """Return the file of the scene that ships for one of the six emotions."""
+    installed = Path(__file__).parent.parent / "configs"
+    folder = installed if installed.is_dir() else installed.parent.parent / "configs"  # a checkout keeps them on top
+    return folder / f"{emotion}.yaml"
+
+
+def parse_scene(text: str, where: str, settings: Iterable[Setting] = ()) -> Scene:
+    """Return the scene in `text`; `where` names it in messages. See `load_scene`."""
+    data, places = yaml_text.read_yaml(text, where)
+    if not isinstance(data, dict):
+        raise SceneError(where, "", "not a scene: expected keys such as emotion, behaviour, robot")
+    for setting in settings:
+        _apply(setting, data, places)
+
+    try:
+        scene = Scene.model_validate(data)
+    except ValidationError as error:
+        raise complaint(error, places) from None
+    scene.remember(places)
+    return scene
+
+
+def scene_text(scene: Scene) -> str:
+    """Return the scene as YAML text, every key spelled out."""
+    return yaml.safe_dump(scene.resolved(), sort_keys=False, allow_unicode=True)
+
+
+def scene_digest(scene: Scene) -> str:
+    """Return the SHA-256 of the resolved scene: equal for scenes that mean the same, whatever their comments."""
+    canonical = json.dumps(scene.resolved(), sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(canonical.encode()).hexdigest()
+
+
+def _read(path: Path) -> str:
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise SceneError(str(path), "", f"too large for a scene: more than {MAX_BYTES // 1_000_000} MB")
+        return path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise SceneError(f"{path}:{line}", "", "not UTF-8 text") from None
+    except OSError as error:
+        raise SceneError(str(path), "", f"cannot be read: {reason(error)}") from None
+
+
+def _apply(setting: Setting, data: dict[str, Any], places: dict[KeyPath, str]) -> None:
+    """Replace one key in `data`; groups on the way that are missing or null are made."""
+    value = yaml_text.read_value(setting.value, setting.origin) if isinstance(setting.value, str) else setting.value
+    *parents, last = (int(part) if part.isdigit() else part for part in setting.key.split("."))
+    target: Any = data
+    for i, part in enumerate(parents):
+        if isinstance(target, dict) and target.get(str(part)) is None:
+            target[str(part)] = {}
+            places.setdefault((*parents[:i], part), setting.origin)
+        target = _child(target, part, setting)
+    _child(target, last, setting, new=value)
+    path = (*parents, last)
+    for inside in [known for known in places if known[: len(path)] == path]:
+        del places[inside]
+    places[path] = setting.origin
+
+
+def _child(target: Any, part: str | int, setting: Setting, **new: Any) -> Any:
+    """Return ``target[part]``, after setting it if `new` is given."""
+    if isinstance(target, list) and isinstance(part, int) and part < len(target):
+        key: Any = part
+    elif isinstance(target, dict):
+        key = str(part)
+    else:
+        raise SceneError(setting.origin, setting.key, f"there is nothing at {part} to set")
+    if new:
+        target[key] = new["new"]
+    return target[key]

@@ -1,0 +1,127 @@
+"""YAML text to plain values, with the line of every key; and one clear line for text that is no scene.
+
+PyYAML reads YAML 1.1, where `1e-3` is text, `on` is true and `1:30` is ninety. Scenes are read by the core schema of
+YAML 1.2 instead (yaml.org/spec/1.2.2, section 10.3), which is what people mean. Tags, anchors and aliases are refused: no
+scene needs them, and they are how a small file becomes a large or an endless one.
+"""
+
+import re
+from typing import Any, NoReturn
+
+import yaml
+
+from emovid.errors import SceneError
+from emovid.scene.model import KeyPath
+
+_CORE = "tag:yaml.org,2002:"
+_RESOLVERS = (
+    ("null", r"^(~|null|Null|NULL|)$", None),
+    ("bool", r"^(true|True|TRUE|false|False|FALSE)$", None),
+    ("int", r"^([-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+)$", None),
+    ("float", r"^([-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?|[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN))$", None),
+)
+
+
+class _Loader(yaml.SafeLoader):
+    """Composes nodes by the core schema, and refuses aliases."""
+
+    yaml_implicit_resolvers: dict[str, Any] = {}
+
+    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
+        if self.check_event(yaml.AliasEvent):
+            mark = self.peek_event().start_mark
+            raise yaml.MarkedYAMLError(problem="anchors and aliases are not supported", problem_mark=mark)
+        return super().compose_node(parent, index)
+
+
+for _name, _pattern, _first in _RESOLVERS:
+    _Loader.add_implicit_resolver(_CORE + _name, re.compile(_pattern), _first)
+
+
+def read_yaml(text: str, where: str) -> tuple[Any, dict[KeyPath, str]]:
+    """Return the values in `text` and, for the path of each key, the place it stands at, ``"file:line"``.
+
+    Args:
+        text: one YAML document.
+        where: what to call it in messages, usually the file.
+
+    Raises:
+        SceneError: for a syntax error, a duplicate key, a tag, an alias, more than one document, or none.
+    """
+    places: dict[KeyPath, str] = {}
+    try:
+        node = yaml.compose(text, Loader=_Loader)
+        if node is None:
+            raise SceneError(where, "", "empty: expected a scene")
+        return _value(node, (), places, where), places
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = f":{mark.line + 1}" if mark else ""
+        problem = " ".join(str(error.problem or error.context).split()).removeprefix("but ")
+        raise SceneError(f"{where}{line}", "", f"not YAML: {problem}") from None
+    except yaml.YAMLError as error:
+        raise SceneError(where, "", f"not YAML: {str(error).splitlines()[0]}") from None
+    except RecursionError:
+        raise SceneError(where, "", "not a scene: nested too deeply") from None
+
+
+def read_value(text: str, where: str) -> Any:
+    """Return the value of `text` as it would be in a scene; a leading ``#`` is a colour here, not a
+    comment, and nothing is null."""
+    if text.startswith("#"):
+        return text
+    try:
+        return read_yaml(text, where)[0] if text.strip() else None
+    except SceneError as error:
+        raise SceneError(where, "", error.message) from None
+
+
+def _value(node: yaml.Node, path: KeyPath, places: dict[KeyPath, str], where: str) -> Any:
+    places.setdefault(path, _place(node, where))
+    if isinstance(node, yaml.MappingNode) and node.tag == _CORE + "map":
+        return _mapping(node, path, places, where)
+    if isinstance(node, yaml.SequenceNode) and node.tag == _CORE + "seq":
+        return [_value(item, (*path, i), places, where) for i, item in enumerate(node.value)]
+    if isinstance(node, yaml.ScalarNode) and node.tag.startswith(_CORE):
+        try:
+            return _SCALARS[node.tag.removeprefix(_CORE)](node.value)
+        except (KeyError, ValueError):
+            _refuse(node, path, where, f"{node.value[:40]!r} is no {node.tag.removeprefix(_CORE)}")
+    _refuse(node, path, where, f"tags such as {node.tag.replace(_CORE, '!!')} are not supported")
+
+
+def _mapping(node: yaml.MappingNode, path: KeyPath, places: dict[KeyPath, str], where: str) -> dict[str, Any]:
+    values: dict[str, Any] = {}
+    for key, item in node.value:
+        if not isinstance(key, yaml.ScalarNode):
+            _refuse(key, path, where, "a key must be a word")
+        name, place = key.value, _place(key, where)
+        if name in values:
+            first = places[*path, name].rsplit(":", 1)[-1]
+            _refuse(key, (*path, name), where, f"given twice (first on line {first})")
+        places[*path, name] = place
+        values[name] = _value(item, (*path, name), places, where)
+    return values
+
+
+def _integer(text: str) -> int:
+    if len(text) > 40:  # no key takes one, and Python refuses to print the longest
+        raise ValueError(text)
+    return int(text, 0) if text[:2] in ("0o", "0x") else int(text)
+
+
+_SCALARS = {
+    "null": lambda text: None,
+    "bool": lambda text: text.lower() == "true",
+    "int": _integer,
+    "float": lambda text: float(text.lower().replace(".inf", "inf").replace(".nan", "nan")),
+    "str": str,
+}
+
+
+def _place(node: yaml.Node, where: str) -> str:
+    return f"{where}:{node.start_mark.line + 1}"
+
+
+def _refuse(node: yaml.Node, path: KeyPath, where: str, message: str) -> NoReturn:
+    raise SceneError(_place(node, where), ".".join(map(str, path)), message)

@@ -1,0 +1,87 @@
+"""Clearance: how much of a command's v fits, so that bodies stay on the stage and apart. No pose is ever moved.
+
+Under a held command the displacement is v times a curve that depends on heading and omega alone, so its reach towards a
+line is known in closed form, and the largest v that keeps the centre behind every line is found at once; omega is kept.
+"""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from emovid.scene.model import Stage
+from emovid.swarm.arrays import Array
+
+
+def share_on_stage(poses: Array, commands: Array, seconds: float, stage: Stage, radius: float) -> Array:
+    """Return the share (N,) in [0, 1] of each v that keeps the body, a disc of `radius` [m], on the stage throughout.
+
+    Args:
+        poses: (N, 3) at the start of the period, bodies on the stage.
+        commands: (N, 2) held for `seconds`.
+    """
+    shares = [
+        _fitting_share(poses, commands, seconds, np.full(len(poses), facing), half - radius - sign * poses[:, axis])
+        for axis, half in ((0, stage.width / 2), (1, stage.height / 2))
+        for sign, facing in ((1, axis * np.pi / 2), (-1, axis * np.pi / 2 + np.pi))
+    ]
+    return np.min(shares, axis=0)
+
+
+def share_apart(poses: Array, commands: Array, seconds: float, radius: float, clearance: float) -> Array:
+    """Return the share (N,) in [0, 1] of each v that keeps the body inside its robot's own Voronoi cell.
+
+    Cells are disjoint, so bodies that start in theirs with half the clearance stay that far apart whatever the
+    others do: buffered Voronoi cells, D. Zhou, Z. Wang, S. Bandyopadhyay and M. Schwager, "Fast, on-line collision
+    avoidance for dynamic vehicles using buffered Voronoi cells", IEEE RA-L 2(2), 2017.
+
+    Args:
+        poses: (N, 3) at the start of the period.
+        commands: (N, 2) held for `seconds`.
+        radius: of a body [m].
+        clearance: to keep between bodies [m].
+    """
+    share = np.ones(len(poses))
+    reach = np.abs(commands[:, 0]).max() * seconds
+    if len(poses) < 2 or reach == 0:
+        return share
+    near = cKDTree(poses[:, :2]).query_pairs(2 * (radius + reach) + clearance, output_type="ndarray")
+    robot, other = np.concatenate([near, near[:, ::-1]]).T
+    towards = poses[other, :2] - poses[robot, :2]
+    distance = np.hypot(towards[:, 0], towards[:, 1])
+    slack = distance / 2 - radius - clearance / 2
+    facing = np.arctan2(towards[:, 1], towards[:, 0])
+    np.minimum.at(share, robot, _fitting_share(poses[robot], commands[robot], seconds, facing, slack))
+    return share
+
+
+def _fitting_share(poses: Array, commands: Array, seconds: float, facing: Array, slack: Array) -> Array:
+    """Return the share (C,) of each v with which a centre advances by at most `slack` [m] in the direction `facing`.
+
+    A slack below zero, from rounding, is none: the robot may then only move away.
+    """
+    v, omega = commands[:, 0], commands[:, 1]
+    heading = poses[:, 2] + np.where(v < 0, np.pi, 0.0)  # driving backwards is driving forwards, turned around
+    advance = np.abs(v) * farthest_advance(heading - facing, omega, seconds)
+    room = np.maximum(slack, 0.0)
+    return np.where(advance > room, room / np.where(advance > room, advance, 1.0), 1.0)
+
+
+def farthest_advance(angle: Array, omega: Array, seconds: float) -> Array:
+    """Return the largest advance (C,) [m] along a direction, within `seconds`, of unit-speed motion on an arc.
+
+    The advance after t is (sin(angle + omega t) - sin(angle)) / omega: it peaks where the heading is a right angle
+    to the direction, if the arc gets there, or at one of its ends.
+
+    Args:
+        angle: heading at the start, from the direction (C,) [rad].
+        omega: turning rate (C,) [rad/s].
+    """
+    turn = omega * seconds
+    # A right turn is a left turn in the mirror.
+    start = np.where(omega < 0, -angle, angle)
+    to_peak = np.mod(np.pi / 2 - start, 2 * np.pi)
+    swept = np.abs(turn)
+    chord = seconds * np.sinc(turn / (2 * np.pi)) * np.cos(angle + turn / 2)
+    straight = swept < 1e-9
+    radius = 1 / np.where(straight, 1.0, np.abs(omega))
+    peak = np.where((to_peak < swept) & ~straight, (1 - np.sin(start)) * radius, 0.0)
+    return np.maximum(np.maximum(peak, chord), 0.0)

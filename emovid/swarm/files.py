@@ -1,0 +1,80 @@
+"""Trajectories on disk: .npz to work with and to render, .csv to look at."""
+
+import zipfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+
+from emovid.errors import InputError, SceneError
+from emovid.scene.load import Setting, parse_scene, scene_text
+from emovid.swarm.trajectory import Trajectory
+from emovid.whole_files import reason, writing
+
+SUFFIXES = (".npz", ".csv")
+_ARRAYS = ("t", "poses", "commands", "stage_cut", "separation_cut")
+# Of every entry of the archive, so that equal runs are equal files: the earliest a zip file can say.
+_ZIP_TIME = (1980, 1, 1, 0, 0, 0)
+
+
+def save_trajectory(trajectory: Trajectory, target: Path) -> None:
+    """Write a trajectory as .npz (arrays and the resolved scene as YAML text) or .csv (time,robot,x,y,heading).
+
+    Raises:
+        EmovidError: if the file cannot be written.
+    """
+    with writing(target) as file:
+        if target.suffix == ".npz":
+            _write_npz(trajectory, file)
+        else:
+            _write_csv(trajectory, file)
+
+
+def load_trajectory(source: Path, settings: Sequence[Setting] = ()) -> Trajectory:
+    """Return the trajectory of an .npz that `save_trajectory` wrote.
+
+    Args:
+        source: the file.
+        settings: keys of its scene to replace; of `video` only, since the motion is what it is.
+
+    Raises:
+        InputError: if it is no such file, or a setting would change the motion.
+    """
+    for setting in settings:
+        if not setting.key.startswith("video."):
+            raise SceneError(setting.origin, setting.key, f"{source} is a finished run; only video.* can be set")
+    try:
+        with np.load(source, allow_pickle=False) as arrays:
+            scene = parse_scene(str(arrays["scene"]), f"{source}:scene", settings)
+            loaded = {name: arrays[name] for name in _ARRAYS}
+    except OSError as error:
+        raise InputError(f"{source}: cannot be read: {reason(error)}") from None
+    except (ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        raise InputError(f"{source}: not a run: expected an .npz written by emovid simulate") from None
+    trajectory = Trajectory(scene, *(loaded[name] for name in _ARRAYS))
+    _check_shapes(trajectory, source)
+    return trajectory
+
+
+def _write_npz(trajectory: Trajectory, file: IO[bytes]) -> None:
+    arrays = {name: getattr(trajectory, name) for name in _ARRAYS} | {"scene": np.array(scene_text(trajectory.scene))}
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, array in arrays.items():
+            with archive.open(zipfile.ZipInfo(f"{name}.npy", _ZIP_TIME), "w", force_zip64=True) as entry:
+                np.lib.format.write_array(entry, array, allow_pickle=False)
+
+
+def _write_csv(trajectory: Trajectory, file: IO[bytes]) -> None:
+    file.write(b"time,robot,x,y,heading\n")
+    for t, poses in zip(trajectory.t.tolist(), trajectory.poses, strict=True):
+        rows = (f"{t},{robot},{x},{y},{heading}\n" for robot, (x, y, heading) in enumerate(poses.tolist(), start=1))
+        file.write("".join(rows).encode())
+
+
+def _check_shapes(trajectory: Trajectory, source: Path) -> None:
+    samples, robots = len(trajectory.t), trajectory.scene.robots
+    expected = [(samples,), (samples, robots, 3), (samples - 1, robots, 2)] + 2 * [(samples - 1, robots)]
+    found = [getattr(trajectory, name).shape for name in _ARRAYS]
+    if samples < 2 or found != expected:
+        raise InputError(f"{source}: not a run: arrays of shapes {found} for {robots} robots")

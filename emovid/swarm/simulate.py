@@ -1,0 +1,100 @@
+"""From a scene to its trajectory: the door of this room. Nothing here knows of frames, trails or files."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from emovid.scene.model import Coverage, Robot, Scene
+from emovid.swarm.arrays import Array
+from emovid.swarm.clearance import share_apart, share_on_stage
+from emovid.swarm.contours import followed_points, start_angles
+from emovid.swarm.coverage import coverage_velocity
+from emovid.swarm.start import start_poses
+from emovid.swarm.trajectory import Trajectory
+from emovid.swarm.unicycle import look_ahead, move, near_identity, within_limits
+
+# From the time [s] and the poses (N, 3) to single-integrator velocities u (N, 2) [m/s].
+Law = Callable[[float, Array], Array]
+
+
+def simulate(scene: Scene, on_period: Callable[[int, int], None] | None = None) -> Trajectory:
+    """Return the run of a scene: the same for the same scene and seed, bit for bit.
+
+    Once in a control period each robot evaluates its law, turns it into a command and holds that to the period's end, as
+    a robot's firmware does.
+
+    Args:
+        scene: what to run; its `video` has no influence.
+        on_period: called with the number of periods done and their total.
+
+    Raises:
+        SceneError: if the robots cannot start where the scene says.
+    """
+    rng = np.random.default_rng(scene.seed)
+    t = sample_times(scene.duration, scene.control_period)
+    law = _law(scene)
+    periods = len(t) - 1
+    poses = np.empty((len(t), scene.robots, 3))
+    commands = np.empty((periods, scene.robots, 2))
+    stage_cut = np.zeros((periods, scene.robots), dtype=bool)
+    separation_cut = np.zeros_like(stage_cut)
+    poses[0] = start_poses(scene, rng)
+    for k in range(periods):
+        seconds = t[k + 1] - t[k]
+        poses[k], wanted = _command(scene.robot, poses[k], law(t[k], poses[k]))
+        commands[k], stage_cut[k], separation_cut[k] = _cut(scene, poses[k], wanted, seconds)
+        poses[k + 1] = move(poses[k], commands[k], seconds)
+        if on_period:
+            on_period(k + 1, periods)
+    return Trajectory(scene, t, poses, commands, stage_cut, separation_cut)
+
+
+def check_start(scene: Scene) -> None:
+    """Raise the `SceneError` that `simulate` would, without simulating."""
+    start_poses(scene, np.random.default_rng(scene.seed))
+
+
+def sample_times(duration: float, control_period: float) -> Array:
+    """Return the multiples of the control period within the duration, and the duration itself, (T,) [s]."""
+    whole = int(np.ceil(duration / control_period - 1e-9))
+    return np.append(control_period * np.arange(max(whole, 1)), duration)
+
+
+def _law(scene: Scene) -> Law:
+    """Return the behaviour's law.
+
+    A contour's is evaluated at the look-ahead points, which then obey it as single integrators with gain K; coverage at
+    the robots' centres, as the paper prints it.
+    """
+    behaviour, stage, robot = scene.behaviour, scene.stage, scene.robot
+    if isinstance(behaviour, Coverage):
+        return lambda t, poses: coverage_velocity(behaviour, stage, poses[:, :2])
+    theta_0 = start_angles(scene.robots)
+    ahead = robot.l if robot.body.steers and robot.l else 0.0
+    return lambda t, poses: followed_points(behaviour, theta_0, t) - look_ahead(poses, ahead)
+
+
+def _command(robot: Robot, poses: Array, u: Array) -> tuple[Array, Array]:
+    """Return the poses (N, 3) and the commands (N, 2) with which the robots set out to move at K u.
+
+    A unicycle keeps its heading. A single integrator faces where it goes, at once: as l goes to 0.
+    """
+    if robot.body.steers:
+        assert robot.l is not None  # a valid scene gives a unicycle its l
+        commands = near_identity(u, poses[:, 2], robot.K, robot.l)
+    else:
+        speed = robot.K * np.hypot(u[:, 0], u[:, 1])
+        poses[:, 2] = np.where(speed > 0, np.arctan2(u[:, 1], u[:, 0]), poses[:, 2])
+        commands = np.stack([speed, np.zeros_like(speed)], axis=-1)
+    return poses, within_limits(commands, robot.limits, robot.body.wheel_base)
+
+
+def _cut(scene: Scene, poses: Array, commands: Array, seconds: float) -> tuple[Array, Array, Array]:
+    """Return the commands with v cut to what fits, and whether it was for the stage and for the separation."""
+    radius, law = scene.robot.body.radius, scene.behaviour
+    on_stage = share_on_stage(poses, commands, seconds, scene.stage, radius)
+    commands = commands * np.stack([on_stage, np.ones_like(on_stage)], axis=-1)
+    if not isinstance(law, Coverage) or law.separation is None:
+        return commands, on_stage < 1, np.zeros(len(poses), dtype=bool)
+    apart = share_apart(poses, commands, seconds, radius, law.separation)
+    return commands * np.stack([apart, np.ones_like(apart)], axis=-1), on_stage < 1, apart < 1

@@ -1,0 +1,121 @@
+"""Where the robots are at t = 0."""
+
+from itertools import product
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from emovid.scene.model import AtPoses, Coverage, InRegion, InStage, OnContour, Scene
+from emovid.swarm.arrays import Array
+from emovid.swarm.contours import followed_points, start_angles, start_headings
+
+# Darts thrown for each robot before giving up: at random, discs cover 54.7 % of the plane at most, and the last per cent
+# before that would take for ever.
+_DARTS_PER_ROBOT = 300
+_ROUNDING = 1e-9  # m
+
+
+def start_poses(scene: Scene, rng: np.random.Generator) -> Array:
+    """Return the poses (N, 3) at t = 0.
+
+    Raises:
+        SceneError: where bodies would overlap, leave the stage, or not find room at random.
+    """
+    match scene.start:
+        case OnContour():
+            poses = _on_contour(scene)
+        case InStage() | InRegion():
+            poses = _at_random(scene, scene.start, rng)
+        case AtPoses():
+            poses = np.array([[pose.x, pose.y, pose.heading] for pose in scene.start.poses])
+    _check_stage(scene, poses)
+    _check_spacing(scene, poses)
+    return poses
+
+
+def _on_contour(scene: Scene) -> Array:
+    """Put the look-ahead points on the contour, heading along it, and the centres `l` behind them.
+
+    With the centre on the contour instead, v(0) = -K l: every robot would set off backwards.
+    """
+    contour = scene.behaviour
+    assert not isinstance(contour, Coverage)  # a valid scene has a contour to start on
+    theta_0 = start_angles(scene.robots)
+    heading = start_headings(contour, theta_0)
+    behind = scene.robot.l if scene.robot.body.steers and scene.robot.l else 0.0
+    points = followed_points(contour, theta_0, 0.0) - behind * np.stack([np.cos(heading), np.sin(heading)], axis=-1)
+    return np.column_stack([points, heading])
+
+
+def _at_random(scene: Scene, start: InStage | InRegion, rng: np.random.Generator) -> Array:
+    """Throw darts, uniformly over the region: one that comes too near an earlier one is thrown again."""
+    radius = scene.robot.body.radius
+    spacing = _spacing(scene) if start.min_spacing is None else start.min_spacing
+    centre, half = np.zeros(2), np.array([scene.stage.width, scene.stage.height]) / 2 - radius
+    if isinstance(start, InRegion):
+        centre = np.array([start.region.centre.x, start.region.centre.y])
+        half = np.array([start.region.width, start.region.height]) / 2
+    grid = _Grid(spacing)
+    for _ in range(_DARTS_PER_ROBOT):
+        for x, y in rng.uniform(centre - half, centre + half, (scene.robots, 2)).tolist():
+            if grid.is_free(x, y):
+                grid.add(x, y)
+                if len(grid.points) == scene.robots:
+                    return np.column_stack([grid.points, rng.uniform(-np.pi, np.pi, scene.robots)])
+    width, height = 2 * half
+    raise scene.fault(
+        "robots",
+        f"{scene.robots} robots do not fit into {width:g} m x {height:g} m at random with {1000 * spacing:g} mm "
+        f"between centres: room was found for {len(grid.points)}",
+    )
+
+
+class _Grid:
+    """Points no nearer to each other than `spacing` [m], in square bins of that size."""
+
+    def __init__(self, spacing: float) -> None:
+        self.spacing = spacing
+        self.points: list[tuple[float, float]] = []
+        self._bins: dict[tuple[int, int], list[tuple[float, float]]] = {}
+
+    def add(self, x: float, y: float) -> None:
+        self.points.append((x, y))
+        self._bins.setdefault(self._bin(x, y), []).append((x, y))
+
+    def is_free(self, x: float, y: float) -> bool:
+        column, row = self._bin(x, y)
+        return all(
+            (x - other_x) ** 2 + (y - other_y) ** 2 >= self.spacing**2
+            for dx, dy in product((-1, 0, 1), repeat=2)
+            for other_x, other_y in self._bins.get((column + dx, row + dy), ())
+        )
+
+    def _bin(self, x: float, y: float) -> tuple[int, int]:
+        return int(x // self.spacing), int(y // self.spacing)
+
+
+def _spacing(scene: Scene) -> float:
+    """Return the smallest distance [m] between centres that the scene allows."""
+    separation = scene.behaviour.separation if isinstance(scene.behaviour, Coverage) else None
+    return 2 * scene.robot.body.radius + (separation or 0.0)
+
+
+def _check_stage(scene: Scene, poses: Array) -> None:
+    half = np.array([scene.stage.width, scene.stage.height]) / 2 - scene.robot.body.radius
+    outside = (np.abs(poses[:, :2]) > half + _ROUNDING).any(axis=1)
+    if outside.any():
+        i = int(np.argmax(outside))
+        raise scene.fault("start", f"robot {i + 1} would start at ({poses[i, 0]:.3g}, {poses[i, 1]:.3g}), off the stage")
+
+
+def _check_spacing(scene: Scene, poses: Array) -> None:
+    if scene.robots < 2:
+        return
+    distance, other = cKDTree(poses[:, :2]).query(poses[:, :2], k=2)
+    i = int(np.argmin(distance[:, 1]))
+    if distance[i, 1] < (least := _spacing(scene)) - _ROUNDING:
+        raise scene.fault(
+            "robots",
+            f"{scene.robots} robots do not fit: robots {i + 1} and {other[i, 1] + 1} would start {1000 * distance[i, 1]:.3g} mm "
+            f"apart, and need {1000 * least:.3g} mm",
+        )

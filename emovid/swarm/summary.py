@@ -1,0 +1,81 @@
+"""What `scene check` says of a run: how often commands were cut, how near bodies came, how fast they went."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from emovid.swarm.arrays import Array, Indices
+from emovid.swarm.trajectory import Trajectory
+from emovid.swarm.unicycle import move
+
+_RESOLUTION = 1e-6  # m
+
+
+@dataclass(frozen=True)
+class Summary:
+    """Figures of one run.
+
+    Attributes:
+        stage_cut_share: share of (robot, period) in which v was cut to stay on the stage.
+        separation_cut_share: share of (robot, period) in which v was cut to keep bodies apart.
+        body_distance: smallest distance between two bodies at any time [m], negative where they overlap; None for one
+            robot.
+        mean_speed, peak_speed: of |v| over robots and time [m/s].
+    """
+
+    stage_cut_share: float
+    separation_cut_share: float
+    body_distance: float | None
+    mean_speed: float
+    peak_speed: float
+
+
+def summarise(trajectory: Trajectory) -> Summary:
+    """Return the figures of a run."""
+    seconds = np.diff(trajectory.t)[:, None]
+    speed = np.abs(trajectory.commands[..., 0])
+    centres = closest_approach(trajectory)
+    return Summary(
+        stage_cut_share=float(trajectory.stage_cut.mean()),
+        separation_cut_share=float(trajectory.separation_cut.mean()),
+        body_distance=None if centres is None else centres - 2 * trajectory.scene.robot.body.radius,
+        mean_speed=float((speed * seconds).sum() / (seconds.sum() * speed.shape[1])),
+        peak_speed=float(speed.max()),
+    )
+
+
+def closest_approach(trajectory: Trajectory) -> float | None:
+    """Return the smallest distance [m] of two centres at any time, between samples too, to 1e-6 m.
+
+    Over an interval two robots come no nearer than half of (their distances at its ends minus their two path
+    lengths); intervals that might hold the smallest distance are halved until that bound says they cannot.
+    """
+    points = trajectory.poses[..., :2]
+    if points.shape[1] < 2:
+        return None
+    best = min(float(cKDTree(p).query(p, k=2)[0][:, 1].min()) for p in points)
+    for k, seconds in enumerate(np.diff(trajectory.t)):
+        poses, commands = trajectory.poses[k], trajectory.commands[k]
+        reach = 2 * np.abs(commands[:, 0]).max() * seconds
+        pairs = cKDTree(points[k]).query_pairs(best + reach, output_type="ndarray")
+        best = _nearest_in_period(poses, commands, seconds, pairs, best)
+    return best
+
+
+def _nearest_in_period(poses: Array, commands: Array, seconds: float, pairs: Indices, best: float) -> float:
+    """Return the smaller of `best` [m] and the smallest distance of the `pairs` (C, 2) within one control period."""
+
+    def distance(pairs: Indices, times: Array) -> Array:
+        a, b = (move(poses[robot], commands[robot], times)[:, :2] for robot in pairs.T)
+        return np.hypot(*(a - b).T)
+
+    start, length = np.zeros(len(pairs)), np.full(len(pairs), seconds)
+    while len(pairs):
+        first, last = distance(pairs, start), distance(pairs, start + length)
+        best = min(best, float(first.min()), float(last.min()))
+        path = np.abs(commands[pairs, 0]).sum(axis=1) * length
+        open_ = (first + last - path) / 2 < best - _RESOLUTION
+        pairs, start, length = pairs[open_], start[open_], length[open_] / 2
+        pairs, start, length = np.tile(pairs, (2, 1)), np.concatenate([start, start + length]), np.tile(length, 2)
+    return best

@@ -1,0 +1,67 @@
+"""What a run leaves behind: poses at the ends of control periods and, between them, exact arcs."""
+
+import hashlib
+from dataclasses import dataclass
+
+import numpy as np
+
+from emovid.scene.model import Scene
+from emovid.swarm.arrays import Array, Mask
+from emovid.swarm.unicycle import move
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """The motion of a swarm; time, robot, coordinate.
+
+    Attributes:
+        scene: that it is the run of.
+        t: sample times (T,) [s]: the starts of the control periods, and the end.
+        poses: (T, N, 3) = x [m], y [m], heading [rad] at those times; an omnidirectional robot's heading is the
+            direction of its motion in the period that starts there.
+        commands: (T-1, N, 2) = v [m/s], omega [rad/s], held from one sample to the next.
+        stage_cut: (T-1, N), whether v was cut to keep the body on the stage.
+        separation_cut: (T-1, N), whether v was cut to keep bodies apart.
+    """
+
+    scene: Scene
+    t: Array
+    poses: Array
+    commands: Array
+    stage_cut: Mask
+    separation_cut: Mask
+
+    def at(self, times: Array) -> Array:
+        """Return the poses (F, N, 3) at `times` (F,) [s] within the run.
+
+        Raises:
+            ValueError: for a time outside the run.
+        """
+        times = np.asarray(times, dtype=float)
+        if times.size and not (self.t[0] <= times.min() and times.max() <= self.t[-1] + 1e-9):
+            raise ValueError(f"times from {times.min():g} to {times.max():g} s: the run is 0 to {self.t[-1]:g} s")
+        period = np.clip(np.searchsorted(self.t, times, side="right") - 1, 0, len(self.commands) - 1)
+        elapsed = (times - self.t[period])[:, None]
+        return move(self.poses[period], self.commands[period], elapsed)
+
+    def trace(self, robot: int, tolerance: float) -> tuple[Array, Array]:
+        """Return times (P,) [s] and points (P, 2) [m] of one robot's path, such that the straight lines between them
+        stray from its arcs by at most `tolerance` [m]."""
+        v, omega = self.commands[:, robot].T
+        seconds = np.diff(self.t)
+        length, turn = np.abs(v) * seconds, np.abs(omega) * seconds
+        # An arc of length s that turns by a rises above its chord by at most s a / 8; each of n parts, by 1 / n^2 of that.
+        parts = np.maximum(np.ceil(np.sqrt(length * turn / (8 * tolerance))), 1).astype(int)
+        period = np.repeat(np.arange(len(parts)), parts)
+        within = np.arange(len(period)) - np.repeat(np.cumsum(parts) - parts, parts)
+        elapsed = seconds[period] * within / parts[period]
+        points = move(self.poses[period, robot], self.commands[period, robot], elapsed)[:, :2]
+        end = self.at(self.t[-1:])[:, robot, :2]
+        return np.append(self.t[period] + elapsed, self.t[-1]), np.concatenate([points, end])
+
+    def digest(self) -> str:
+        """Return the SHA-256 of times, poses and commands: what the motion is, however it is drawn."""
+        sha = hashlib.sha256()
+        for array in (self.t, self.poses, self.commands):
+            sha.update(np.ascontiguousarray(array, dtype="<f8").tobytes())
+        return sha.hexdigest()
