@@ -31,7 +31,7 @@ def whole_file(target: Path) -> Iterator[Path]:
         yield part
         with part.open("rb") as file:
             os.fsync(file.fileno())
-        os.replace(part, target)
+        part.replace(target)
     except OSError as error:
         raise EmovidError(f"{target}: cannot be written: {reason(error)}") from None
     finally:

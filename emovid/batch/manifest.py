@@ -1,4 +1,4 @@
-"""`manifest.json`: what each video beside it was made from, so that nothing is made twice and everything can be cited."""
+"""`manifest.json`: what each video beside it was made from, so that nothing is made twice and all can be cited."""
 
 import hashlib
 import json

@@ -49,7 +49,7 @@ class Reporter(Protocol):
         """A job's video is there: made now, or before."""
 
 
-class Stopped(Exception):
+class Stopped(Exception):  # noqa: N818 - a signal, not an error
     """Raised in a worker when the parent wants it to end."""
 
 
@@ -110,9 +110,7 @@ def _make(jobs: Sequence[Job], workers: int, reporter: Reporter) -> Iterator[tup
             yield job, error
 
 
-def _in_processes(
-    jobs: Sequence[Job], workers: int, reporter: Reporter
-) -> Iterator[tuple[Job, Record | EmovidError]]:
+def _in_processes(jobs: Sequence[Job], workers: int, reporter: Reporter) -> Iterator[tuple[Job, Record | EmovidError]]:
     context = multiprocessing.get_context("spawn")  # forking a process with threads can deadlock
     stop, progress, over = context.Event(), context.SimpleQueue(), threading.Event()
     listener = threading.Thread(target=_listen, args=(progress, over, jobs, reporter), daemon=True)

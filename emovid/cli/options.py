@@ -2,20 +2,27 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from emovid.errors import InputError
+from emovid.errors import InputError, nearest
+
+if TYPE_CHECKING:
+    from emovid.scene.load import Setting
 
 Source = Annotated[
     str | None,
     typer.Argument(metavar="[SCENE]", help="A scene file (.yaml), or the name of an emotion.", show_default=False),
 ]
-Emotion = Annotated[str | None, typer.Option("--emotion", "-e", help="One of the six shipped scenes.", show_default=False)]
+Emotion = Annotated[
+    str | None, typer.Option("--emotion", "-e", help="One of the six shipped scenes.", show_default=False)
+]
 Set = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Replace a key of the scene, as in robot.l=0.002.", show_default=False),
+    typer.Option(
+        "--set", metavar="KEY=VALUE", help="Replace a key of the scene, as in robot.l=0.002.", show_default=False
+    ),
 ]
 Seed = Annotated[int | None, typer.Option("--seed", help="Replace the scene's seed.", show_default=False)]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")]
@@ -36,7 +43,6 @@ def one_source(source: str | None, emotion: str | None) -> str:
 
 def check_emotion(emotion: str) -> None:
     """Raise an `InputError` unless `emotion` is one of the six."""
-    from emovid.errors import nearest
     from emovid.scene.emotions import EMOTIONS
 
     if emotion not in EMOTIONS:
@@ -61,7 +67,9 @@ def settings(
     return made
 
 
-def output_file(output: Path | None, name: str, default: str, suffixes: Sequence[str], others: Sequence[str] = ()) -> Path:
+def output_file(
+    output: Path | None, name: str, default: str, suffixes: Sequence[str], others: Sequence[str] = ()
+) -> Path:
     """Return the file an `-o` means: itself if it ends in one of `suffixes`, else `name` in that folder.
 
     Args:

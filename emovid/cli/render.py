@@ -32,11 +32,15 @@ def render(
         ),
     ] = None,
     emotion: Emotion = None,
-    every: Annotated[bool, typer.Option("--all", "-a", help="All six emotions, and a random order to show them in.")] = False,
+    every: Annotated[
+        bool, typer.Option("--all", "-a", help="All six emotions, and a random order to show them in.")
+    ] = False,
     output: Output = None,
     assignments: Set = None,
     seed: Seed = None,
-    size: Annotated[str | None, typer.Option(metavar="WxH", help="Pixels, as in 1920x1080.", show_default=False)] = None,
+    size: Annotated[
+        str | None, typer.Option(metavar="WxH", help="Pixels, as in 1920x1080.", show_default=False)
+    ] = None,
     fps: Annotated[int | None, typer.Option(help="Frames per second; the motion stays.", show_default=False)] = None,
     jobs: Annotated[
         int | None, typer.Option("--jobs", "-j", min=1, help="Videos made at once.", show_default="one a core")

@@ -19,7 +19,9 @@ def list_scenes(as_json: Json = False) -> None:
     """List the shipped scenes."""
     from emovid.scene.emotions import EMOTIONS
 
-    rows = [{"emotion": e.name, "behaviour": e.behaviour, "control": e.control, "video": e.video} for e in EMOTIONS.values()]
+    rows = [
+        {"emotion": e.name, "behaviour": e.behaviour, "control": e.control, "video": e.video} for e in EMOTIONS.values()
+    ]
     if as_json:
         typer.echo(json.dumps(rows, indent=2))
         return

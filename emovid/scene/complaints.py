@@ -127,8 +127,7 @@ def _models_at(loc: KeyPath) -> list[type[BaseModel]]:
 
 
 def _walk(loc: KeyPath) -> tuple[KeyPath, list[type[BaseModel]]]:
-    """Follow a pydantic location from `Scene`: its path without union tags, which no scene spells as a step, and
-    the models it leads to."""
+    """Follow a pydantic location from `Scene`: its path without the tags of unions, and the models it leads to."""
     models: list[type[BaseModel]] = [Scene]
     path: list[str | int] = []
     for part in loc:

@@ -113,7 +113,9 @@ class Uniform(_Model):
 class Boundary(_Model):
     kind: Literal["boundary"] = Field(description="a ridge of density along every edge of the stage")
     width: Length = Field(description="standard deviation of the ridge's Gaussian profile [m]")
-    inset: Annotated[float, Field(ge=0, le=MAX_LENGTH)] = Field(0.0, description="distance of its crest from the edge [m]")
+    inset: Annotated[float, Field(ge=0, le=MAX_LENGTH)] = Field(
+        0.0, description="distance of its crest from the edge [m]"
+    )
 
 
 class Gaussian(_Model):
@@ -193,7 +195,9 @@ class OnContour(_Model):
 
 
 class _Random(_Model):
-    min_spacing: Length | None = Field(None, description="smallest distance of two centres [m]; null: bodies just apart")
+    min_spacing: Length | None = Field(
+        None, description="smallest distance of two centres [m]; null: bodies just apart"
+    )
 
 
 class InStage(_Random):
@@ -314,8 +318,9 @@ def _faults(scene: Scene) -> Iterator[tuple[str, str]]:
     yield from _start_faults(scene)
     poses = scene.robots * scene.duration / scene.control_period
     if poses > MAX_POSES:
-        yield "control_period", (
-            f"{scene.robots} robots for {scene.duration:g} s make {poses:.1e} poses; at most {MAX_POSES:.0e}"
+        yield (
+            "control_period",
+            (f"{scene.robots} robots for {scene.duration:g} s make {poses:.1e} poses; at most {MAX_POSES:.0e}"),
         )
 
 
@@ -347,17 +352,27 @@ def _behaviour_faults(scene: Scene) -> Iterator[tuple[str, str]]:
         room = min(stage.width / 2 - abs(law.centre.x), stage.height / 2 - abs(law.centre.y))
         if law.extent + radius > room:
             key = "R_max" if isinstance(law, ExpandingCircle) else "R"
-            yield f"behaviour.{key}", (
-                f"the contour leaves the stage: it reaches {law.extent:g} m from its centre, plus a body of radius "
-                f"{_mm(radius)}, and the edge is {room:g} m away"
+            yield (
+                f"behaviour.{key}",
+                (
+                    f"the contour leaves the stage: it reaches {law.extent:g} m from its centre, plus a body of radius "
+                    f"{_mm(radius)}, and the edge is {room:g} m away"
+                ),
             )
     if isinstance(law, Coverage) and isinstance(law.density, Gaussian):
         centre = law.density.centre
         if abs(centre.x) > stage.width / 2 or abs(centre.y) > stage.height / 2:
-            yield "behaviour.density.centre", f"({centre.x:g}, {centre.y:g}) is outside the stage of {_rectangle(stage)}"
-    if isinstance(law, Coverage) and isinstance(law.density, Boundary):
-        if law.density.inset > min(stage.width, stage.height) / 2:
-            yield "behaviour.density.inset", f"{law.density.inset:g}: expected at most half the stage's smaller side"
+            yield (
+                "behaviour.density.centre",
+                f"({centre.x:g}, {centre.y:g}) is outside the stage of {_rectangle(stage)}",
+            )
+    side = min(stage.width, stage.height)
+    if isinstance(law, Coverage) and isinstance(law.density, Boundary) and law.density.inset > side / 2:
+        yield "behaviour.density.inset", f"{law.density.inset:g}: expected at most half the stage's smaller side"
+    if isinstance(law, Coverage) and not isinstance(law.density, Uniform):
+        key, scale = ("sigma", law.density.sigma) if isinstance(law.density, Gaussian) else ("width", law.density.width)
+        if scale < side / 100:  # its integrals would take for ever, and its peak could not be seen
+            yield f"behaviour.density.{key}", f"{scale:g}: expected at least a hundredth of the stage's smaller side"
 
 
 def _start_faults(scene: Scene) -> Iterator[tuple[str, str]]:
@@ -370,9 +385,12 @@ def _start_faults(scene: Scene) -> Iterator[tuple[str, str]]:
     if isinstance(start, InRegion):
         region, centre = start.region, start.region.centre
         if abs(centre.x) + region.width / 2 > half_width or abs(centre.y) + region.height / 2 > half_height:
-            yield "start.region", (
-                f"{_rectangle(region)} at ({centre.x:g}, {centre.y:g}) leaves the stage of {_rectangle(stage)} "
-                f"less a body of radius {_mm(radius)}"
+            yield (
+                "start.region",
+                (
+                    f"{_rectangle(region)} at ({centre.x:g}, {centre.y:g}) leaves the stage of {_rectangle(stage)} "
+                    f"less a body of radius {_mm(radius)}"
+                ),
             )
     if isinstance(start, AtPoses):
         if len(start.poses) != scene.robots:

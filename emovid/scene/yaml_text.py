@@ -1,11 +1,12 @@
 """YAML text to plain values, with the line of every key; and one clear line for text that is no scene.
 
 PyYAML reads YAML 1.1, where `1e-3` is text, `on` is true and `1:30` is ninety. Scenes are read by the core schema of
-YAML 1.2 instead (yaml.org/spec/1.2.2, section 10.3), which is what people mean. Tags, anchors and aliases are refused: no
-scene needs them, and they are how a small file becomes a large or an endless one.
+YAML 1.2 instead (yaml.org/spec/1.2.2, section 10.3), which is what people mean. Tags, anchors and aliases are
+refused: no scene needs them, and they are how a small file becomes a large or an endless one.
 """
 
 import re
+from collections.abc import Callable
 from typing import Any, NoReturn
 
 import yaml
@@ -25,11 +26,11 @@ _RESOLVERS = (
 class _Loader(yaml.SafeLoader):
     """Composes nodes by the core schema, and refuses aliases."""
 
-    yaml_implicit_resolvers: dict[str, Any] = {}
+    yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012 - as PyYAML declares it; empty, so that only ours apply
 
     def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
         if self.check_event(yaml.AliasEvent):
-            mark = self.peek_event().start_mark
+            mark = self.peek_event().start_mark  # type: ignore[no-untyped-call]
             raise yaml.MarkedYAMLError(problem="anchors and aliases are not supported", problem_mark=mark)
         return super().compose_node(parent, index)
 
@@ -66,8 +67,7 @@ def read_yaml(text: str, where: str) -> tuple[Any, dict[KeyPath, str]]:
 
 
 def read_value(text: str, where: str) -> Any:
-    """Return the value of `text` as it would be in a scene; a leading ``#`` is a colour here, not a
-    comment, and nothing is null."""
+    """Return the value of `text` as it would be in a scene; a leading ``#`` is a colour, and nothing is null."""
     if text.startswith("#"):
         return text
     try:
@@ -82,12 +82,13 @@ def _value(node: yaml.Node, path: KeyPath, places: dict[KeyPath, str], where: st
         return _mapping(node, path, places, where)
     if isinstance(node, yaml.SequenceNode) and node.tag == _CORE + "seq":
         return [_value(item, (*path, i), places, where) for i, item in enumerate(node.value)]
-    if isinstance(node, yaml.ScalarNode) and node.tag.startswith(_CORE):
-        try:
-            return _SCALARS[node.tag.removeprefix(_CORE)](node.value)
-        except (KeyError, ValueError):
-            _refuse(node, path, where, f"{node.value[:40]!r} is no {node.tag.removeprefix(_CORE)}")
-    _refuse(node, path, where, f"tags such as {node.tag.replace(_CORE, '!!')} are not supported")
+    kind = node.tag.removeprefix(_CORE)
+    if not isinstance(node, yaml.ScalarNode) or kind not in _SCALARS:
+        _refuse(node, path, where, f"tags such as {node.tag.replace(_CORE, '!!')} are not supported")
+    try:
+        return _SCALARS[kind](node.value)
+    except ValueError:
+        _refuse(node, path, where, f"{node.value[:40]!r} is no {kind}")
 
 
 def _mapping(node: yaml.MappingNode, path: KeyPath, places: dict[KeyPath, str], where: str) -> dict[str, Any]:
@@ -110,8 +111,8 @@ def _integer(text: str) -> int:
     return int(text, 0) if text[:2] in ("0o", "0x") else int(text)
 
 
-_SCALARS = {
-    "null": lambda text: None,
+_SCALARS: dict[str, Callable[[str], Any]] = {
+    "null": lambda _: None,
     "bool": lambda text: text.lower() == "true",
     "int": _integer,
     "float": lambda text: float(text.lower().replace(".inf", "inf").replace(".nan", "nan")),

@@ -16,7 +16,10 @@ def share_on_stage(poses: Array, commands: Array, seconds: float, stage: Stage, 
 
     Args:
         poses: (N, 3) at the start of the period, bodies on the stage.
-        commands: (N, 2) held for `seconds`.
+        commands: (N, 2).
+        seconds: for which they are held.
+        stage: to stay on.
+        radius: of a body [m].
     """
     shares = [
         _fitting_share(poses, commands, seconds, np.full(len(poses), facing), half - radius - sign * poses[:, axis])
@@ -35,7 +38,8 @@ def share_apart(poses: Array, commands: Array, seconds: float, radius: float, cl
 
     Args:
         poses: (N, 3) at the start of the period.
-        commands: (N, 2) held for `seconds`.
+        commands: (N, 2).
+        seconds: for which they are held.
         radius: of a body [m].
         clearance: to keep between bodies [m].
     """
@@ -74,6 +78,7 @@ def farthest_advance(angle: Array, omega: Array, seconds: float) -> Array:
     Args:
         angle: heading at the start, from the direction (C,) [rad].
         omega: turning rate (C,) [rad/s].
+        seconds: the time there is.
     """
     turn = omega * seconds
     # A right turn is a left turn in the mirror.

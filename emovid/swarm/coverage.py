@@ -2,8 +2,8 @@
 
 The integrals are Gauss-Legendre sums over triangles, of an order that follows from a triangle's size against the
 density's scale; triangles too large for the highest order are split. All terms are positive, so a cell far out in a
-Gaussian's tail has as exact a centroid as one at its peak. Centroids are exact to a millionth of the density's scale, and
-to rounding for a constant density (tested against `scipy.integrate.dblquad` and against closed forms).
+Gaussian's tail has as exact a centroid as one at its peak. Centroids are exact to a millionth of the density's scale,
+and to rounding for a constant density (tested against `scipy.integrate.dblquad` and against closed forms).
 """
 
 from functools import cache

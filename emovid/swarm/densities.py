@@ -28,7 +28,7 @@ def density_of(density: Uniform | Boundary | Gaussian, stage: Stage) -> Density:
     """Return the density that a scene names."""
     match density:
         case Uniform():
-            return Density(lambda x, y: np.ones_like(x), np.inf)
+            return Density(lambda x, _: np.ones_like(x), np.inf)
         case Gaussian():
             return _gaussian(density)
         case Boundary():

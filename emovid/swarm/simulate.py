@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from emovid.scene.model import Coverage, Robot, Scene
-from emovid.swarm.arrays import Array
+from emovid.swarm.arrays import Array, Mask
 from emovid.swarm.clearance import share_apart, share_on_stage
 from emovid.swarm.contours import followed_points, start_angles
 from emovid.swarm.coverage import coverage_velocity
@@ -20,8 +20,8 @@ Law = Callable[[float, Array], Array]
 def simulate(scene: Scene, on_period: Callable[[int, int], None] | None = None) -> Trajectory:
     """Return the run of a scene: the same for the same scene and seed, bit for bit.
 
-    Once in a control period each robot evaluates its law, turns it into a command and holds that to the period's end, as
-    a robot's firmware does.
+    Once in a control period each robot evaluates its law, turns it into a command and holds that to the period's end,
+    as a robot's firmware does.
 
     Args:
         scene: what to run; its `video` has no influence.
@@ -68,7 +68,7 @@ def _law(scene: Scene) -> Law:
     """
     behaviour, stage, robot = scene.behaviour, scene.stage, scene.robot
     if isinstance(behaviour, Coverage):
-        return lambda t, poses: coverage_velocity(behaviour, stage, poses[:, :2])
+        return lambda _, poses: coverage_velocity(behaviour, stage, poses[:, :2])
     theta_0 = start_angles(scene.robots)
     ahead = robot.l if robot.body.steers and robot.l else 0.0
     return lambda t, poses: followed_points(behaviour, theta_0, t) - look_ahead(poses, ahead)
@@ -89,7 +89,7 @@ def _command(robot: Robot, poses: Array, u: Array) -> tuple[Array, Array]:
     return poses, within_limits(commands, robot.limits, robot.body.wheel_base)
 
 
-def _cut(scene: Scene, poses: Array, commands: Array, seconds: float) -> tuple[Array, Array, Array]:
+def _cut(scene: Scene, poses: Array, commands: Array, seconds: float) -> tuple[Array, Mask, Mask]:
     """Return the commands with v cut to what fits, and whether it was for the stage and for the separation."""
     radius, law = scene.robot.body.radius, scene.behaviour
     on_stage = share_on_stage(poses, commands, seconds, scene.stage, radius)

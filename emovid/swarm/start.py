@@ -9,8 +9,8 @@ from emovid.scene.model import AtPoses, Coverage, InRegion, InStage, OnContour, 
 from emovid.swarm.arrays import Array
 from emovid.swarm.contours import followed_points, start_angles, start_headings
 
-# Darts thrown for each robot before giving up: at random, discs cover 54.7 % of the plane at most, and the last per cent
-# before that would take for ever.
+# Darts thrown for each robot before giving up: at random, discs cover at most 54.7 % of the plane, and the last per
+# cent before that would take for ever.
 _DARTS_PER_ROBOT = 300
 _ROUNDING = 1e-9  # m
 
@@ -105,7 +105,9 @@ def _check_stage(scene: Scene, poses: Array) -> None:
     outside = (np.abs(poses[:, :2]) > half + _ROUNDING).any(axis=1)
     if outside.any():
         i = int(np.argmax(outside))
-        raise scene.fault("start", f"robot {i + 1} would start at ({poses[i, 0]:.3g}, {poses[i, 1]:.3g}), off the stage")
+        raise scene.fault(
+            "start", f"robot {i + 1} would start at ({poses[i, 0]:.3g}, {poses[i, 1]:.3g}), off the stage"
+        )
 
 
 def _check_spacing(scene: Scene, poses: Array) -> None:
@@ -116,6 +118,6 @@ def _check_spacing(scene: Scene, poses: Array) -> None:
     if distance[i, 1] < (least := _spacing(scene)) - _ROUNDING:
         raise scene.fault(
             "robots",
-            f"{scene.robots} robots do not fit: robots {i + 1} and {other[i, 1] + 1} would start {1000 * distance[i, 1]:.3g} mm "
-            f"apart, and need {1000 * least:.3g} mm",
+            f"{scene.robots} robots do not fit: robots {i + 1} and {other[i, 1] + 1} would start "
+            f"{1000 * distance[i, 1]:.3g} mm apart, and need {1000 * least:.3g} mm",
         )

@@ -45,12 +45,14 @@ class Trajectory:
         return move(self.poses[period], self.commands[period], elapsed)
 
     def trace(self, robot: int, tolerance: float) -> tuple[Array, Array]:
-        """Return times (P,) [s] and points (P, 2) [m] of one robot's path, such that the straight lines between them
-        stray from its arcs by at most `tolerance` [m]."""
+        """Return times (P,) [s] and points (P, 2) [m] of one robot's path.
+
+        The straight lines between the points stray from its arcs by at most `tolerance` [m].
+        """
         v, omega = self.commands[:, robot].T
         seconds = np.diff(self.t)
         length, turn = np.abs(v) * seconds, np.abs(omega) * seconds
-        # An arc of length s that turns by a rises above its chord by at most s a / 8; each of n parts, by 1 / n^2 of that.
+        # An arc of length s that turns by a rises by at most s a / 8 above its chord; each of n parts, 1 / n^2 of it.
         parts = np.maximum(np.ceil(np.sqrt(length * turn / (8 * tolerance))), 1).astype(int)
         period = np.repeat(np.arange(len(parts)), parts)
         within = np.arange(len(period)) - np.repeat(np.cumsum(parts) - parts, parts)

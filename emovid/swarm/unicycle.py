@@ -58,6 +58,7 @@ def within_limits(commands: Array, limits: Limits | None, wheel_base: float) -> 
     """Return the commands scaled to what the motors can do, v and omega alike, so that the path keeps its curvature.
 
     Args:
+        commands: (N, 2).
         limits: of v [m/s], omega [rad/s] and the wheels' speed [m/s]; None for no limits.
         wheel_base: distance of the wheels [m]; a wheel runs at v -+ omega wheel_base / 2.
     """

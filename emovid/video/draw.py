@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.colors import to_rgba
 from matplotlib.path import Path
-from matplotlib.transforms import Affine2D, IdentityTransform
+from matplotlib.transforms import IdentityTransform
 from numpy.typing import NDArray
 
 from emovid.scene.model import Stage, Video
@@ -46,10 +46,14 @@ class Painter:
         self.video = video or scene.video
         self.camera = Camera.framing(scene.stage, self.video.width, self.video.height)
         self._trajectory = trajectory
-        self._renderer = RendererAgg(self.video.width, self.video.height, dpi=72)  # so that a point is a pixel
+        # At 72 dots per inch a point is a pixel. Any: matplotlib's stubs know less than its Agg renderer takes.
+        agg: Any = RendererAgg
+        self._renderer = agg(self.video.width, self.video.height, 72)
         self._pixels: Pixels = np.asarray(self._renderer.buffer_rgba())
         self._parts = robot_parts(scene.robot.body)
-        self._outline = Path.make_compound_path(*(self._parts[name] for name in ("wheels", "body") if name in self._parts))
+        self._outline = Path.make_compound_path(
+            *(self._parts[name] for name in ("wheels", "body") if name in self._parts)
+        )
         self._trailed = trailed_robots(scene.robots, self.video.trails.robots)
         self._trails = [self._trail(robot) for robot in self._trailed]
         self._colours = self._part_colours(scene.robots)
@@ -61,7 +65,7 @@ class Painter:
         """Return the frame (height, width, 4) at time `t` [s]: RGBA, row 0 on top, overwritten by the next call."""
         poses = self._trajectory.at(np.array([t]))[0]
         self._copy_background(t)
-        self._draw_trails(t, poses)
+        self._draw_trails(t)
         self._draw_robots(poses)
         return self._pixels
 
@@ -77,7 +81,7 @@ class Painter:
             self._slices = complete
             np.copyto(self._background, self._pixels)
 
-    def _draw_trails(self, t: float, poses: Array) -> None:
+    def _draw_trails(self, t: float) -> None:
         """Draw what the background does not hold."""
         seconds = self.video.trails.seconds
         since = self._slices * _SLICE if seconds is None else max(t - seconds, 0.0)
@@ -110,8 +114,7 @@ class Painter:
 
     def _draw_stage(self, stage: Stage) -> None:
         colours = self.video.colours
-        corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]) / 2 * [stage.width, stage.height]
-        rectangle = Path(self.camera.pixels(corners), closed=True)
+        rectangle = Path(self.camera.pixels(np.asarray(_rectangle(stage.width, stage.height).vertices)), closed=True)
         self._pixels[:] = np.round(255 * np.array(to_rgba(colours.surround)))
         width = _EDGE * self.camera.scale
         # The line lies outside the stage: half of it is drawn over by the floor.
@@ -144,7 +147,6 @@ class Painter:
         gc.set_capstyle("round")
         gc.set_joinstyle("round")
         none = np.empty((0, 4))
-        rest: tuple[Any, ...] = ([(0, None)], np.array([True]), None, "screen")
         self._renderer.draw_path_collection(
             gc,
             IdentityTransform(),
@@ -155,7 +157,10 @@ class Painter:
             none if face is None else face,
             none if edge is None else edge,
             np.array([width]),
-            *rest,
+            [(0, None)],
+            np.array([True]),
+            None,
+            "screen",
         )
 
 
@@ -179,19 +184,18 @@ def robot_parts(body: Body) -> dict[str, Path]:
     return parts
 
 
-def _rectangle(length: float, width: float, y: float) -> Path:
-    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]) / 2 * [length, width] + [0, y]
-    return Path(corners, closed=True)
+def _rectangle(length: float, width: float, y: float = 0.0) -> Path:
+    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]) / 2
+    return Path(corners * [length, width] + [0, y], closed=True)
 
 
 def _rounded_square(width: float, corner: float) -> Path:
-    """A square about the origin, each corner a quarter of a circle."""
-    quarter = corner * Path.arc(0, 90).vertices + (width / 2 - corner)
-    codes = Path.arc(0, 90).codes.copy()
-    sides = [Path(quarter @ Affine2D().rotate_deg(90 * i).get_matrix()[:2, :2].T, codes) for i in range(4)]
-    outline = Path(np.concatenate([side.vertices for side in sides]), np.concatenate([codes] * 4))
-    outline.codes[1:][outline.codes[1:] == Path.MOVETO] = Path.LINETO
-    return Path(np.concatenate([outline.vertices, [[0, 0]]]), np.append(outline.codes, Path.CLOSEPOLY))
+    """A square about the origin with round corners: a polygon, finer than pixels at any size we draw."""
+    angle = np.linspace(0, np.pi / 2, 9) + np.arange(4)[:, None] * np.pi / 2
+    centres = (width / 2 - corner) * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
+    points = centres[:, None] + corner * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    points = points.reshape(-1, 2)
+    return Path(np.concatenate([points, points[:1]]), closed=True)
 
 
 def _front_mark(width: float) -> Path:

@@ -87,7 +87,7 @@ def ffmpeg() -> str:
         RenderError: if there is none.
     """
     try:
-        return imageio_ffmpeg.get_ffmpeg_exe()
+        return str(imageio_ffmpeg.get_ffmpeg_exe())
     except RuntimeError:
         raise RenderError("no ffmpeg found: reinstall imageio-ffmpeg, or set IMAGEIO_FFMPEG_EXE") from None
 
@@ -122,14 +122,12 @@ def _start(command: list[str], target: Path, log: IO[bytes]) -> "subprocess.Pope
         raise RenderError(f"{target}: ffmpeg cannot be started: {command[0]}: {reason(error)}") from None
 
 
-def _feed(
-    process: "subprocess.Popen[bytes]", frames: Iterable[Pixels], on_frame: Callable[[int], None] | None
-) -> None:
+def _feed(process: "subprocess.Popen[bytes]", frames: Iterable[Pixels], on_frame: Callable[[int], None] | None) -> None:
     pipe = process.stdin
     assert pipe is not None
     try:
         for k, frame in enumerate(frames, start=1):
-            rest = memoryview(frame).cast("B")
+            rest = frame.data.cast("B")
             while rest:
                 rest = rest[pipe.write(rest) :]
             if on_frame:
