@@ -42,16 +42,14 @@ def _emovid(
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return its exit code: 0, 1 for a failure, 2 for bad input, 130 or 143 for a signal."""
-    signal.signal(signal.SIGTERM, _on_sigterm)
     try:
-        # Without standalone mode Typer returns the code of an Exit, and raises what a user did wrong.
-        return int(app(arguments, prog_name="emovid", standalone_mode=False) or 0)
+        # Without standalone mode Typer returns the code of an Exit, 130 for a Ctrl-C, and raises what a user did wrong.
+        code = int(app(arguments, prog_name="emovid", standalone_mode=False) or 0)
+        return _say("interrupted: run again to make what is missing", code) if code == 130 else code
     except EmovidError as error:
         return _say(str(error), error.exit_code)
     except TyperException as error:
         return _say(error.format_message(), error.exit_code)
-    except (KeyboardInterrupt, typer.Abort):
-        return _say("interrupted; run again to go on", 130)
     except MemoryError:
         return _say("not enough memory: fewer robots, a longer control_period or a shorter duration need less", 1)
     except BrokenPipeError:  # whoever read our output has had enough, as `head` does
@@ -60,7 +58,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _say(message: str, code: int) -> int:
-    print("emovid: " + " ".join(message.split()) if message else "", file=sys.stderr)
+    print(" ".join(message.split()), file=sys.stderr)
     return code
 
 
@@ -69,5 +67,6 @@ def _on_sigterm(*_: object) -> NoReturn:
 
 
 def run() -> NoReturn:
-    """Run as a program."""
+    """Run as a program, which a SIGTERM ends like a Ctrl-C: what is under way is undone."""
+    signal.signal(signal.SIGTERM, _on_sigterm)
     sys.exit(main())

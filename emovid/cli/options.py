@@ -84,7 +84,7 @@ def output_file(
         if chosen.is_dir():
             raise InputError(f"-o {chosen}: is a folder; expected a file")
         return chosen
-    if chosen.suffix.lower() in others:
+    if chosen.suffix.lower() in others and not chosen.is_dir():
         raise InputError(f"-o {chosen}: cannot write {chosen.suffix}; expected {' or '.join(suffixes)}, or a folder")
     if chosen.exists() and not chosen.is_dir():
         raise InputError(f"-o {chosen}: is a file; expected a folder, or a name that ends in {' or '.join(suffixes)}")

@@ -34,7 +34,13 @@ def simulate(
 
     chosen = one_source(source, emotion)
     scene = load_scene(chosen, settings(assignments, seed))
-    target = output_file(output, f"{find_scene(chosen).stem}.npz", ".", SUFFIXES, (".npy", ".json", ".parquet", ".mat"))
+    target = output_file(
+        output,
+        f"{find_scene(chosen).stem}.npz",
+        ".",
+        SUFFIXES,
+        (".npy", ".json", ".parquet", ".mat", ".txt", ".tsv", ".mp4"),
+    )
     check_start(scene)
     make_folder(target.parent)
     with counting(str(target), quiet=quiet or as_json) as on_period:

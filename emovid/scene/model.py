@@ -164,7 +164,7 @@ class Robot(_Model):
     """The robot model and its two parameters of the near-identity diffeomorphism, Appendix B."""
 
     model: RobotModel = Field(description="gritsbot: a unicycle of 3 cm; single_integrator: an omnidirectional point")
-    l: Annotated[float, Field(gt=0, le=1)] | None = Field(  # noqa: E741 - the paper's symbol
+    l: Annotated[float, Field(gt=0, le=1)] | None = Field(
         None, description="distance of the look-ahead point [m]: small is angular, large is smooth; a gritsbot needs it"
     )
     K: Annotated[float, Field(gt=0, le=1000)] = Field(description="proportional gain: larger is faster")

@@ -10,6 +10,8 @@ from scipy.spatial import cKDTree
 from emovid.scene.model import Stage
 from emovid.swarm.arrays import Array
 
+_ROUNDING = 1e-12  # m
+
 
 def share_on_stage(poses: Array, commands: Array, seconds: float, stage: Stage, radius: float) -> Array:
     """Return the share (N,) in [0, 1] of each v that keeps the body, a disc of `radius` [m], on the stage throughout.
@@ -60,13 +62,15 @@ def share_apart(poses: Array, commands: Array, seconds: float, radius: float, cl
 def _fitting_share(poses: Array, commands: Array, seconds: float, facing: Array, slack: Array) -> Array:
     """Return the share (C,) of each v with which a centre advances by at most `slack` [m] in the direction `facing`.
 
-    A slack below zero, from rounding, is none: the robot may then only move away.
+    A slack below zero, from rounding, is none. An advance of a rounding error is none either: else a robot that touches
+    a wall could not drive along it.
     """
     v, omega = commands[:, 0], commands[:, 1]
     heading = poses[:, 2] + np.where(v < 0, np.pi, 0.0)  # driving backwards is driving forwards, turned around
     advance = np.abs(v) * farthest_advance(heading - facing, omega, seconds)
     room = np.maximum(slack, 0.0)
-    return np.where(advance > room, room / np.where(advance > room, advance, 1.0), 1.0)
+    too_far = advance > room + _ROUNDING
+    return np.where(too_far, room / np.where(too_far, advance, 1.0), 1.0)
 
 
 def farthest_advance(angle: Array, omega: Array, seconds: float) -> Array:

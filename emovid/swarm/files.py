@@ -45,7 +45,7 @@ def load_trajectory(source: Path, settings: Sequence[Setting] = ()) -> Trajector
         if not setting.key.startswith("video."):
             raise SceneError(setting.origin, setting.key, f"{source} is a finished run; only video.* can be set")
     try:
-        with np.load(source, allow_pickle=False) as arrays:
+        with source.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             scene = parse_scene(str(arrays["scene"]), f"{source}:scene", settings)
             loaded = {name: arrays[name] for name in _ARRAYS}
     except OSError as error:

@@ -65,7 +65,7 @@ def _at_random(scene: Scene, start: InStage | InRegion, rng: np.random.Generator
     width, height = 2 * half
     raise scene.fault(
         "robots",
-        f"{scene.robots} robots do not fit into {width:g} m x {height:g} m at random with {1000 * spacing:g} mm "
+        f"{scene.robots} robots do not fit into {width:.3g} m x {height:.3g} m at random with {1000 * spacing:g} mm "
         f"between centres: room was found for {len(grid.points)}",
     )
 

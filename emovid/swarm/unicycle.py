@@ -10,13 +10,13 @@ from emovid.scene.model import Limits
 from emovid.swarm.arrays import Array
 
 
-def look_ahead(poses: Array, l: float) -> Array:  # noqa: E741 - the paper's symbol
+def look_ahead(poses: Array, l: float) -> Array:
     """Return the points p~ (N, 2) [m], a distance `l` [m] in front of each robot (Fig. 17)."""
     heading = poses[..., 2]
     return poses[..., :2] + l * np.stack([np.cos(heading), np.sin(heading)], axis=-1)
 
 
-def near_identity(u: Array, heading: Array, K: float, l: float) -> Array:  # noqa: E741 - the paper's symbol
+def near_identity(u: Array, heading: Array, K: float, l: float) -> Array:
     """Return the commands (N, 2) that move each look-ahead point with velocity `K u`.
 
     Appendix B: (v, omega) = K [[cos, sin], [-sin / l, cos / l]] u. While the robot turns the look-ahead point leaves

@@ -1,0 +1,94 @@
+import csv
+import re
+
+import numpy as np
+import pytest
+
+from emovid.errors import EmovidError, InputError
+from emovid.scene.load import Setting
+from emovid.swarm.files import load_trajectory, save_trajectory
+from emovid.swarm.simulate import simulate
+from emovid.swarm.trajectory import Trajectory
+
+
+@pytest.fixture(scope="module")
+def run(make_scene) -> Trajectory:
+    return simulate(make_scene("disgust", {"duration": 2}))
+
+
+def test_npz_holds_what_it_promises(run, tmp_path) -> None:
+    save_trajectory(run, tmp_path / "run.npz")
+    with np.load(tmp_path / "run.npz") as arrays:
+        assert arrays["t"].shape == (9,)
+        assert arrays["poses"].shape == (9, 15, 3)
+        assert arrays["commands"].shape == (8, 15, 2)
+        assert "emotion: disgust" in str(arrays["scene"])
+
+
+def test_a_run_comes_back_as_it_went(run, tmp_path) -> None:
+    save_trajectory(run, tmp_path / "run.npz")
+    back = load_trajectory(tmp_path / "run.npz")
+    assert back.digest() == run.digest()
+    assert back.scene.resolved() == run.scene.resolved()
+    assert np.array_equal(back.stage_cut, run.stage_cut)
+    assert np.array_equal(back.separation_cut, run.separation_cut)
+
+
+def test_equal_runs_are_equal_files(run, tmp_path) -> None:
+    for name in ("a.npz", "b.npz"):
+        save_trajectory(run, tmp_path / name)
+    assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
+
+
+def test_csv_has_a_row_for_each_sample_and_robot(run, tmp_path) -> None:
+    save_trajectory(run, tmp_path / "run.csv")
+    with (tmp_path / "run.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert list(rows[0]) == ["time", "robot", "x", "y", "heading"]
+    assert len(rows) == 9 * 15
+    values = np.array([[float(row[key]) for key in ("x", "y", "heading")] for row in rows]).reshape(9, 15, 3)
+    assert np.array_equal(values, run.poses)  # every digit
+    assert [int(row["robot"]) for row in rows[:15]] == list(range(1, 16))
+
+
+def test_the_look_of_a_finished_run_can_change_but_not_its_motion(run, tmp_path) -> None:
+    save_trajectory(run, tmp_path / "run.npz")
+    changed = load_trajectory(tmp_path / "run.npz", [Setting("video.fps", 60, "--fps 60")])
+    assert changed.scene.video.fps == 60
+    with pytest.raises(InputError, match=re.escape("--seed 3: seed: ")):
+        load_trajectory(tmp_path / "run.npz", [Setting("seed", 3, "--seed 3")])
+
+
+@pytest.mark.parametrize("content", [b"", b"no archive", b"PK\x03\x04 broken"])
+def test_a_file_that_is_no_run_is_refused(tmp_path, content) -> None:
+    (tmp_path / "x.npz").write_bytes(content)
+    with pytest.raises(InputError, match="not a run"):
+        load_trajectory(tmp_path / "x.npz")
+
+
+def test_a_run_of_other_shapes_is_refused(run, tmp_path) -> None:
+    save_trajectory(run, tmp_path / "run.npz")
+    with np.load(tmp_path / "run.npz") as arrays:
+        kept = {name: arrays[name] for name in arrays}
+    np.savez(tmp_path / "bad.npz", **(kept | {"poses": kept["poses"][:, :3]}))
+    with pytest.raises(InputError, match="not a run: arrays of shapes"):
+        load_trajectory(tmp_path / "bad.npz")
+    np.savez(tmp_path / "few.npz", t=kept["t"])
+    with pytest.raises(InputError, match="not a run: expected"):
+        load_trajectory(tmp_path / "few.npz")
+
+
+def test_pickles_are_not_opened(run, tmp_path) -> None:
+    save_trajectory(run, tmp_path / "run.npz")
+    with np.load(tmp_path / "run.npz") as arrays:
+        kept = {name: arrays[name] for name in arrays}
+    np.savez(tmp_path / "evil.npz", **(kept | {"scene": np.array([{"a": 1}], dtype=object)}))
+    with pytest.raises(InputError, match="not a run"):
+        load_trajectory(tmp_path / "evil.npz")
+
+
+def test_a_missing_run_and_a_missing_folder_are_named(run, tmp_path) -> None:
+    with pytest.raises(InputError, match="no such file"):
+        load_trajectory(tmp_path / "none.npz")
+    with pytest.raises(EmovidError, match="cannot be written: no such file"):
+        save_trajectory(run, tmp_path / "none" / "run.npz")

@@ -1,0 +1,69 @@
+import numpy as np
+import pytest
+from scipy.spatial.distance import pdist
+
+from emovid.errors import SceneError
+from emovid.swarm.contours import followed_points, start_angles
+from emovid.swarm.start import start_poses
+from emovid.swarm.unicycle import look_ahead
+
+
+def rng(seed: int = 0) -> np.random.Generator:
+    return np.random.default_rng(seed)
+
+
+@pytest.mark.parametrize("emotion", ["happiness", "surprise", "sadness"])
+def test_look_ahead_points_start_on_the_contour(make_scene, emotion) -> None:
+    scene = make_scene(emotion)
+    poses = start_poses(scene, rng())
+    expected = followed_points(scene.behaviour, start_angles(15), 0.0)
+    assert look_ahead(poses, scene.robot.l) == pytest.approx(expected, abs=1e-12)
+
+
+def test_a_single_integrator_starts_on_the_contour_itself(make_scene) -> None:
+    scene = make_scene("sadness", {"robot.model": "single_integrator"})
+    poses = start_poses(scene, rng())
+    assert np.hypot(*poses[:, :2].T) == pytest.approx(np.full(15, scene.behaviour.R))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_random_starts_keep_their_spacing_and_region(make_scene, seed) -> None:
+    scene = make_scene("fear")
+    poses = start_poses(scene, rng(seed))
+    assert pdist(poses[:, :2]).min() >= 0.06
+    assert (np.abs(poses[:, :2]) <= [0.3, 0.2]).all()
+
+
+def test_random_starts_fill_the_stage_and_all_headings(make_scene) -> None:
+    scene = make_scene("anger", {"robots": 100, "start.min_spacing": None})
+    poses = np.concatenate([start_poses(scene, rng(seed)) for seed in range(20)])
+    radius = scene.robot.body.radius
+    # Uniform over the stage less the body: means 0, variances (2 half)^2 / 12; spacing only evens it out.
+    half = np.array([0.6 - radius, 0.4 - radius])
+    assert np.abs(poses[:, :2].mean(axis=0)) == pytest.approx([0, 0], abs=0.02)
+    assert poses[:, :2].std(axis=0) == pytest.approx(half / np.sqrt(3), rel=0.06)
+    assert np.hypot(np.cos(poses[:, 2]).mean(), np.sin(poses[:, 2]).mean()) < 0.06
+
+
+def test_the_seed_decides(make_scene) -> None:
+    scene = make_scene("anger")
+    assert np.array_equal(start_poses(scene, rng(1)), start_poses(scene, rng(1)))
+    assert not np.array_equal(start_poses(scene, rng(1)), start_poses(scene, rng(2)))
+
+
+def test_listed_poses_are_taken_as_they_are(make_scene) -> None:
+    poses = [{"x": 0.1, "y": -0.2, "heading": 1.0}, {"x": 0.3, "y": 0.0}]
+    scene = make_scene("fear", {"robots": 2, "start": {"place": "poses", "poses": poses}})
+    assert start_poses(scene, rng()) == pytest.approx(np.array([[0.1, -0.2, 1.0], [0.3, 0.0, 0.0]]))
+
+
+def test_listed_bodies_may_not_overlap(make_scene) -> None:
+    poses = [{"x": 0.0, "y": 0.0}, {"x": 0.03, "y": 0.0}]
+    scene = make_scene("fear", {"robots": 2, "start": {"place": "poses", "poses": poses}})
+    with pytest.raises(SceneError, match=r"robots 1 and 2 would start 30 mm apart, and need 43.3 mm"):
+        start_poses(scene, rng())
+
+
+def test_a_thousand_robots_find_room_on_a_large_stage(make_scene) -> None:
+    scene = make_scene("anger", {"robots": 1000, "stage.width": 5.0, "stage.height": 4.0})
+    assert pdist(start_poses(scene, rng())[:, :2]).min() >= 0.06
