@@ -9,7 +9,7 @@ all-videos: .venv/installed
 	$(BIN)/emovid render --all --jobs $(JOBS) -o videos
 
 test: .venv/dev-installed
-	$(BIN)/python -m pytest -n $(JOBS)
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile
 
 lint: .venv/dev-installed
 	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy && $(BIN)/lint-imports

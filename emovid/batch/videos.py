@@ -14,6 +14,7 @@ from typing import Any, Protocol
 from emovid.batch.manifest import Record, add_to_manifest, is_current, read_manifest, recipe, record
 from emovid.errors import EmovidError, RenderError
 from emovid.scene.model import Scene
+from emovid.signals import blocked_signals, unblock_signals
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
 from emovid.video.render import render_video
@@ -117,7 +118,10 @@ def _in_processes(jobs: Sequence[Job], workers: int, reporter: Reporter) -> Iter
     listener.start()
     pool = ProcessPoolExecutor(workers, context, _enter_worker, (stop, progress))
     try:
-        futures: dict[Future[Record], Job] = {pool.submit(_work, i, job): job for i, job in enumerate(jobs)}
+        futures: dict[Future[Record], Job] = {}
+        with blocked_signals():  # a worker must not be interrupted before it can handle that
+            for i, job in enumerate(jobs):
+                futures[pool.submit(_work, i, job)] = job
         for future in as_completed(futures):
             try:
                 yield futures[future], future.result()
@@ -152,12 +156,12 @@ def _enter_worker(stop: Any, progress: Any) -> None:
     global _stop, _progress
     _stop, _progress = stop, progress
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, _terminated)
+    unblock_signals()
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
-def _terminated(*_: object) -> None:
-    raise Stopped("a worker process was terminated")
+def _on_sigterm(*_: object) -> None:
+    raise Stopped("its worker process was terminated")
 
 
 def _end_with_parent() -> None:
@@ -173,4 +177,8 @@ def _work(i: int, job: Job) -> Record:
             raise Stopped("stopped")
         _progress.put((i, frames))
 
-    return make_video(job, on_frame)
+    before = signal.signal(signal.SIGTERM, _on_sigterm)
+    try:
+        return make_video(job, on_frame)
+    finally:
+        signal.signal(signal.SIGTERM, before)

@@ -240,7 +240,7 @@ class Colours(_Model):
     wheels: Colour = Field("#14161b", description="wheels")
     front: Colour = Field("#ffffff", description="the mark that shows a robot's front")
     trails: Annotated[tuple[Colour, ...], Field(strict=False, min_length=1)] = Field(
-        ("#0072b2", "#d55e00", "#007a5a", "#a3336f", "#332288"),
+        ("#1684ea", "#e15319", "#005432", "#c25d96", "#3d00e4"),
         description="trails and the bodies that leave them, in turn",
     )
 

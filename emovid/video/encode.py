@@ -15,6 +15,7 @@ from typing import IO
 import imageio_ffmpeg
 
 from emovid.errors import RenderError
+from emovid.signals import held_signals
 from emovid.video.draw import Pixels
 from emovid.whole_files import reason, whole_file
 
@@ -63,16 +64,18 @@ def write_video(
         RenderError: with ffmpeg's own words.
     """
     with whole_file(target) as part, tempfile.TemporaryFile() as log:
-        process = _start([ffmpeg(), *arguments, str(part)], target, log)
+        command = [ffmpeg(), *arguments, str(part)]
+        process = None
         try:
+            with held_signals():
+                process = _start(command, target, log)
             _feed(process, frames, on_frame)
             status = process.wait(_GRACE)
         except subprocess.TimeoutExpired:
             raise RenderError(f"{target}: ffmpeg did not finish within {_GRACE} s of the last frame") from None
         finally:
-            if process.poll() is None:
-                process.kill()
-                process.wait()
+            with held_signals():
+                _end(process)
         if status:
             raise RenderError(f"{target}: ffmpeg failed with exit status {status}: {_last_line(log)}")
         if (found := count_frames(part)) != count:
@@ -135,6 +138,15 @@ def _feed(process: "subprocess.Popen[bytes]", frames: Iterable[Pixels], on_frame
         pipe.close()
     except BrokenPipeError:  # ffmpeg has gone; its exit status says why
         pass
+
+
+def _end(process: "subprocess.Popen[bytes] | None") -> None:
+    """Leave no ffmpeg behind, whatever happened."""
+    if process and process.stdin:
+        process.stdin.close()
+    if process and process.poll() is None:
+        process.kill()
+        process.wait()
 
 
 def _last_line(log: IO[bytes]) -> str:

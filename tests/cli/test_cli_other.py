@@ -1,0 +1,195 @@
+import json
+import os
+import pty
+import select
+import subprocess
+import sys
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+
+from emovid.cli.main import main
+from emovid.scene.emotions import EMOTIONS
+from emovid.scene.load import load_scene, shipped_scene
+from emovid.swarm.simulate import simulate
+from emovid.swarm.summary import summarise
+
+EMOVID = [sys.executable, "-m", "emovid"]
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path, monkeypatch) -> Path:
+    """Work in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+# --- emovid simulate -------------------------------------------------------------------------------------------------
+
+
+def test_simulate_writes_the_run_of_a_scene(capsys) -> None:
+    assert main(["simulate", "--emotion", "fear", "-o", "runs/fear.npz", "--seed", "4", "--set", "duration=2"]) == 0
+    assert capsys.readouterr().err == "runs/fear.npz: 15 robots, 9 samples in 2 s\n"
+    with np.load("runs/fear.npz") as arrays:
+        poses, scene = arrays["poses"], str(arrays["scene"])
+    assert "seed: 4" in scene
+    Path("again.yaml").write_text(scene)
+    assert np.array_equal(simulate(load_scene("again.yaml")).poses, poses)
+
+
+def test_simulate_names_its_file_by_the_scene() -> None:
+    main(["scene", "new", "mine.yaml"])
+    assert main(["simulate", "mine.yaml", "--quiet", "--set", "duration=1"]) == 0
+    assert main(["simulate", "mine.yaml", "--quiet", "--set", "duration=1", "-o", "folder"]) == 0
+    assert Path("mine.npz").read_bytes() == Path("folder/mine.npz").read_bytes()
+
+
+def test_simulate_says_what_it_did_as_json(capsys) -> None:
+    assert main(["simulate", "sadness", "-o", "x.csv", "--json", "--set", "duration=1"]) == 0
+    said = capsys.readouterr()
+    facts = json.loads(said.out)
+    assert facts["file"] == "x.csv"
+    assert facts["trajectory_sha256"] == simulate(load_scene("sadness").model_copy(update={"duration": 1.0})).digest()
+    assert said.err == ""
+
+
+def test_simulate_refuses_files_it_cannot_write(tmp_path, capsys) -> None:
+    assert main(["simulate", "sadness", "-o", "x.mat"]) == 2
+    assert capsys.readouterr().err == "-o x.mat: cannot write .mat; expected .npz or .csv, or a folder\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+# --- emovid scene ----------------------------------------------------------------------------------------------------
+
+
+def test_scene_list_has_the_six(capsys) -> None:
+    assert main(["scene", "list"]) == 0
+    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == list(EMOTIONS)
+    assert main(["scene", "list", "--json"]) == 0
+    assert [row["emotion"] for row in json.loads(capsys.readouterr().out)] == list(EMOTIONS)
+
+
+def test_scene_show_prints_the_file_comments_and_all(capsys) -> None:
+    assert main(["scene", "show", "anger"]) == 0
+    assert capsys.readouterr().out == shipped_scene("anger").read_text()
+    assert main(["scene", "show", "anger", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == load_scene("anger").resolved()
+
+
+def test_scene_new_copies_and_never_overwrites(capsys) -> None:
+    assert main(["scene", "new", "deep/my.yaml", "--from", "disgust"]) == 0
+    assert Path("deep/my.yaml").read_text() == shipped_scene("disgust").read_text()
+    Path("deep/my.yaml").write_text("mine")
+    capsys.readouterr()
+    assert main(["scene", "new", "deep/my.yaml"]) == 2
+    assert capsys.readouterr().err == "deep/my.yaml: exists; --force replaces it\n"
+    assert Path("deep/my.yaml").read_text() == "mine"
+    assert main(["scene", "new", "deep/my.yaml", "--force"]) == 0
+    assert Path("deep/my.yaml").read_text() == shipped_scene("happiness").read_text()
+
+
+def test_scene_check_reports_the_run(capsys) -> None:
+    assert main(["scene", "check", "anger", "--json", "--set", "duration=3"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    expected = summarise(simulate(load_scene("anger").model_copy(update={"duration": 3.0})))
+    assert found["body_distance"] == expected.body_distance
+    assert found["stage_cut_share"] == expected.stage_cut_share
+    assert main(["scene", "check", "anger", "--set", "duration=3"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "anger: valid"
+    assert f"{1000 * expected.body_distance:.1f} mm" in lines[3]
+
+
+def test_scene_check_says_when_bodies_overlap(capsys) -> None:
+    keys = ["--set", "behaviour.separation=null", "--set", "duration=10", "--seed", "1"]
+    assert main(["scene", "check", "anger", *keys]) == 0
+    assert "(they overlap)" in capsys.readouterr().out
+
+
+def test_scene_schema_accepts_what_scenes_say(capsys) -> None:
+    assert main(["scene", "schema"]) == 0
+    schema = json.loads(capsys.readouterr().out)
+    jsonschema.validate(load_scene("anger").resolved(), schema)
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(load_scene("anger").resolved() | {"colour": 1}, schema)
+
+
+# --- the command -----------------------------------------------------------------------------------------------------
+
+
+def test_version_and_module(capsys) -> None:
+    assert main(["--version"]) == 0
+    said = capsys.readouterr().out
+    module = subprocess.run([*EMOVID, "--version"], capture_output=True, text=True, check=True)
+    assert said == module.stdout == "emovid 0.1.0\n"
+
+
+def test_help_imports_nothing_heavy() -> None:
+    for command in ([], ["render"], ["scene", "check"]):
+        shown = subprocess.run(
+            [sys.executable, "-X", "importtime", "-m", "emovid", *command, "--help"],
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        modules = {line.split("|")[-1].strip().split(".")[0] for line in shown.stderr.splitlines()}
+        assert "typer" in modules
+        assert not modules & {"numpy", "scipy", "matplotlib", "pandas", "yaml", "imageio_ffmpeg"}
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["render"],
+        ["simulate"],
+        ["scene", "list"],
+        ["scene", "show"],
+        ["scene", "check"],
+        ["scene", "new"],
+        ["scene", "schema"],
+    ],
+)
+def test_every_command_has_help(capsys, command) -> None:
+    assert main([*command, "--help"]) == 0
+    assert "Usage: emovid " + " ".join(command) in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("arguments", [["foo"], ["scene", "foo"], ["scene", "show"], ["render", "--fps", "x"]])
+def test_wrong_usage_is_one_line(capsys, arguments) -> None:
+    assert main(arguments) == 2
+    said = capsys.readouterr()
+    assert len(said.err.splitlines()) == 1
+    assert said.out == ""
+
+
+def test_a_reader_that_leaves_early_is_no_error() -> None:
+    with subprocess.Popen([*EMOVID, "scene", "schema"], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout
+        assert process.stderr
+        process.stdout.close()
+        assert process.stderr.read() == b""
+
+
+def test_a_terminal_gets_a_bar_and_the_same_last_lines(tmp_path) -> None:
+    master, slave = pty.openpty()
+    command = [*EMOVID, "render", "sadness", "-o", str(tmp_path), "--size", "320x180", "--set", "duration=6"]
+    quiet = {key: value for key, value in os.environ.items() if key not in ("CI", "NO_COLOR")} | {
+        "TERM": "xterm-256color"
+    }
+    with subprocess.Popen(command, stderr=slave, stdout=slave, env=quiet | {"COLUMNS": "100"}) as process:
+        os.close(slave)
+        said = b""
+        while select.select([master], [], [], 60)[0]:
+            try:
+                chunk = os.read(master, 65536)
+            except OSError:  # the other end has closed
+                break
+            said += chunk
+    os.close(master)
+    assert process.returncode == 0
+    text = said.decode()
+    assert "/180" in text  # the bar counts frames
+    assert f"[1/1] {tmp_path}/sadness.mp4: 180 frames" in text.replace("\r\n", "")
+    assert "rendered 1 in" in text

@@ -1,0 +1,216 @@
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+from emovid.cli.main import main
+from emovid.scene.emotions import EMOTIONS
+
+SIX = "happiness, surprise, sadness, fear, disgust, anger"
+ONE_SCENE = f"expected one scene: a file, or --emotion and one of {SIX}"
+SMALL = ["--size", "96x64", "--fps", "5", "--set", "duration=1"]
+
+
+def render(*arguments: object) -> int:
+    return main(["render", *map(str, arguments), *SMALL])
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def manifest(folder: Path) -> dict:
+    return json.loads((folder / "manifest.json").read_text())["videos"]
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path, monkeypatch) -> Path:
+    """Work in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_an_emotion_goes_to_the_folder_of_videos(tmp_path) -> None:
+    assert render("--emotion", "anger") == 0
+    assert names(tmp_path) == ["videos"]
+    assert names(tmp_path / "videos") == ["anger.mp4", "manifest.json"]
+
+
+@pytest.mark.parametrize(
+    ("output", "expected"),
+    [("out/", "out/my_scene.mp4"), ("a/b", "a/b/my_scene.mp4"), ("x.mp4", "x.mp4"), ("c/y.MP4", "c/y.MP4")],
+)
+def test_the_output_is_a_folder_unless_it_ends_like_a_video(tmp_path, output, expected) -> None:
+    main(["scene", "new", "my_scene.yaml", "--from", "sadness"])
+    assert render("my_scene.yaml", "-o", output) == 0
+    assert (tmp_path / expected).is_file()
+    assert (tmp_path / expected).with_name("manifest.json").is_file()
+
+
+def test_the_manifest_says_how_a_video_was_made() -> None:
+    assert render("--emotion", "fear", "--seed", "9") == 0
+    entry = manifest(Path("videos"))["fear.mp4"]
+    assert {key: entry[key] for key in ("emotion", "seed", "frames", "fps", "size")} == {
+        "emotion": "fear", "seed": 9, "frames": 5, "fps": 5, "size": "96x64",
+    }  # fmt: skip
+    assert all(len(entry[key]) == 64 for key in ("sha256", "trajectory_sha256", "scene_digest"))
+    assert {"emovid", "numpy", "scipy", "matplotlib", "ffmpeg"} <= set(entry["versions"])
+    assert "libx264" in entry["encoder"]
+
+
+def test_what_is_up_to_date_is_not_made_again(capsys) -> None:
+    render("--emotion", "anger")
+    made = Path("videos/anger.mp4").stat().st_mtime_ns
+    capsys.readouterr()
+    assert render("--emotion", "anger") == 0
+    said = capsys.readouterr().err
+    assert said == "[1/1] videos/anger.mp4: up to date\nnothing to render: all is up to date\n"
+    assert Path("videos/anger.mp4").stat().st_mtime_ns == made
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda: Path("videos/anger.mp4").unlink(),
+        lambda: Path("videos/anger.mp4").write_bytes(b"spoilt"),
+        lambda: Path("videos/manifest.json").unlink(),
+        lambda: Path("videos/manifest.json").write_text("{not json"),
+        lambda: Path("videos/manifest.json").write_text('{"videos": [1]}'),
+    ],
+    ids=["video lost", "video spoilt", "manifest lost", "manifest spoilt", "manifest of another kind"],
+)
+def test_what_is_missing_or_spoilt_is_made_again(spoil) -> None:
+    render("--emotion", "anger")
+    before = Path("videos/anger.mp4").read_bytes()
+    spoil()
+    assert render("--emotion", "anger") == 0
+    assert Path("videos/anger.mp4").read_bytes() == before
+    assert manifest(Path("videos"))["anger.mp4"]["frames"] == 5
+
+
+@pytest.mark.parametrize(
+    "change", [("--seed", "2"), ("--set", "robot.l=0.005"), ("--set", "video.trails.robots=3"), ("--force",)]
+)
+def test_what_changed_is_made_again(capsys, change) -> None:
+    render("--emotion", "anger")
+    capsys.readouterr()
+    assert render("--emotion", "anger", *change) == 0
+    assert "[1/1] videos/anger.mp4: 5 frames\nrendered 1 in" in capsys.readouterr().err
+
+
+def test_a_copied_folder_is_up_to_date(tmp_path, capsys) -> None:
+    render("--emotion", "anger")
+    other = tmp_path / "copy"
+    other.mkdir()
+    for path in Path("videos").iterdir():
+        (other / path.name).write_bytes(path.read_bytes())
+    capsys.readouterr()
+    assert render("--emotion", "anger", "-o", other) == 0
+    assert "up to date" in capsys.readouterr().err
+
+
+def test_a_second_video_leaves_the_first_in_the_manifest() -> None:
+    render("--emotion", "anger")
+    render("--emotion", "fear")
+    assert sorted(manifest(Path("videos"))) == ["anger.mp4", "fear.mp4"]
+    Path("videos/anger.mp4").unlink()
+    render("--emotion", "disgust")
+    assert sorted(manifest(Path("videos"))) == ["disgust.mp4", "fear.mp4"]
+
+
+def test_all_six_are_the_same_bytes_with_one_job_and_with_two(capsys) -> None:
+    assert render("--all", "--jobs", "1", "-o", "one") == 0
+    capsys.readouterr()
+    assert render("--all", "--jobs", "2", "-o", "two") == 0
+    said = capsys.readouterr().err.splitlines()
+    assert sorted(line.split("] ")[1] for line in said[:-1]) == sorted(f"two/{name}.mp4: 5 frames" for name in EMOTIONS)
+    assert [line.split("]")[0] for line in said[:-1]] == [f"[{i}/6" for i in range(1, 7)]
+    assert (
+        names(Path("one"))
+        == names(Path("two"))
+        == sorted([*(f"{e}.mp4" for e in EMOTIONS), "manifest.json", "presentation_order.csv"])
+    )
+    for name in names(Path("one")):
+        assert Path("one", name).read_bytes() == Path("two", name).read_bytes(), name
+
+
+def test_the_order_of_presentation_is_random_and_seeded() -> None:
+    orders = []
+    for i, seed in enumerate(["1", "1", "2", "3"]):
+        render("--all", "-o", f"set{i}", "--seed", seed, "--jobs", "1")
+        with Path(f"set{i}/presentation_order.csv").open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        assert list(rows[0]) == ["position", "emotion", "video"]
+        assert [row["position"] for row in rows] == list("123456")
+        assert all(row["video"] == f"{row['emotion']}.mp4" for row in rows)
+        orders.append([row["emotion"] for row in rows])
+    assert all(sorted(order) == sorted(EMOTIONS) for order in orders)
+    assert orders[0] == orders[1]
+    assert len({tuple(order) for order in orders}) == 3
+
+
+def test_a_finished_run_is_drawn(capsys) -> None:
+    main(["simulate", "--emotion", "fear", "-o", "fear.npz", "--set", "duration=1"])
+    assert main(["render", "fear.npz", "--size", "96x64", "--fps", "5"]) == 0
+    render("--emotion", "fear", "-o", "direct")
+    assert Path("videos/fear.mp4").read_bytes() == Path("direct/fear.mp4").read_bytes()
+
+
+def test_json_goes_to_stdout_alone(capsys) -> None:
+    assert render("--emotion", "sadness", "--json") == 0
+    said = capsys.readouterr()
+    assert json.loads(said.out)["videos"]["videos/sadness.mp4"]["frames"] == 5
+    assert said.err == ""
+
+
+def test_quiet_says_nothing(capsys) -> None:
+    assert render("--emotion", "sadness", "--quiet") == 0
+    assert capsys.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], ONE_SCENE),
+        (["--emotion", "angr"], f"--emotion angr: expected one of {SIX} (did you mean anger?)"),
+        (["anger", "--emotion", "fear"], ONE_SCENE),
+        (["--all", "--emotion", "fear"], "--all means the six emotions: no scene goes with it"),
+        (["--all", "-o", "x.mp4"], "-o x.mp4: is one file; expected a folder for six videos"),
+        (["fear", "-o", "x.webm"], "-o x.webm: cannot write .webm; expected .mp4, or a folder"),
+        (["nothing.npz"], "nothing.npz: cannot be read: no such file or directory"),
+        (["fear", "--set", "robot.k=2"], "--set robot.k=2: robot.k: unknown key (did you mean robot.K?)"),
+        (["fear", "--set", "robot.K"], "--set robot.K: expected KEY=VALUE, as in robot.l=0.002"),
+        (["fear", "--size", "7"], "--size 7: video.size: 7: expected width x height in pixels, as in 1280x720"),
+        (["fear", "--jobs", "0"], "Invalid value for '--jobs' / '-j': Input should be greater than or equal to 1"),
+        (["fear", "--sed", "1"], "No such option: --sed (Possible options: --seed, --set, --size)"),
+        (
+            ["fear", "--set", "robots=900"],
+            "--set robots=900: robots: 900 robots do not fit into 0.6 m x 0.4 m at random with 60 mm between centres: "
+            "room was found for 53",
+        ),
+    ],
+)  # fmt: skip
+def test_a_mistake_is_one_line_and_leaves_nothing(tmp_path, capsys, arguments, message) -> None:
+    assert main(["render", *arguments]) == 2
+    said = capsys.readouterr()
+    assert said.err.splitlines() == [message]
+    assert said.out == ""
+    assert names(tmp_path) == []
+
+
+def test_an_output_that_cannot_be_is_one_line(tmp_path, capsys) -> None:
+    Path("taken").write_text("a file")
+    assert render("fear", "-o", "taken") == 2
+    assert capsys.readouterr().err == "-o taken: is a file; expected a folder, or a name that ends in .mp4\n"
+    assert render("fear", "-o", "taken/inside") == 1
+    assert capsys.readouterr().err == "taken/inside: cannot be made: not a directory\n"
+    assert names(tmp_path) == ["taken"]
+
+
+def test_the_others_are_made_when_one_fails(tmp_path, capsys) -> None:
+    Path("videos/fear.mp4").mkdir(parents=True)
+    assert render("--all", "--jobs", "2") == 1
+    assert capsys.readouterr().err.splitlines()[-1].startswith("videos/fear.mp4: ")
+    assert sorted(manifest(Path("videos"))) == sorted(f"{name}.mp4" for name in EMOTIONS if name != "fear")
+    assert [name for name in names(Path("videos")) if name.endswith(".part")] == []

@@ -1,0 +1,195 @@
+from pathlib import Path
+
+import pytest
+
+from emovid.cli.main import main
+from emovid.cli.options import settings
+from emovid.errors import SceneError
+from emovid.scene.load import load_scene
+from emovid.scene.model import Scene
+
+ROOT = Path(__file__).parents[2]
+SHIPPED = "configs/happiness.yaml"
+BROKEN = sorted((ROOT / "configs" / "errors").iterdir())
+KINDS = [
+    "unknown_key", "unknown_key_far", "unknown_group", "missing_key", "missing_group", "text_for_number",
+    "quoted_number", "bool_for_number", "float_for_whole_number", "whole_number_with_point", "out_of_range", "nan",
+    "inf", "yaml_syntax", "duplicate_key", "tag", "tag_of_yaml", "alias", "anchor", "contour_leaves_stage",
+    "no_room_at_random", "no_room_in_region", "no_room_on_contour", "poses_overlap", "l_zero", "l_negative",
+    "l_missing", "too_many_robots", "absurd_duration", "absurd_fps", "absurd_run", "odd_video_size", "bad_colour",
+    "wrong_law", "wrong_shape", "wrong_emotion", "R_max_below_R_min", "A_not_below_R", "contour_start_with_coverage",
+    "pose_count", "pose_off_stage", "region_off_stage", "sigma_too_small", "density_centre_off_stage", "limits_empty",
+    "limits_of_wheels", "not_utf8", "empty_file", "top_level_list", "two_documents",
+]  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def _in_root(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+
+
+def overridden(*pairs: str, source: str | Path = SHIPPED) -> Scene:
+    return load_scene(source, settings(pairs))
+
+
+def assert_refused(
+    arguments: list[str], expected: str, capsys: pytest.CaptureFixture[str], tmp_path: Path, before: int = 0
+) -> None:
+    code = main(["render", *arguments, "-o", str(tmp_path / "out")])
+    out, err = capsys.readouterr()
+    assert err == expected + "\n"
+    assert out == ""
+    assert code == 2
+    assert len(list(tmp_path.iterdir())) == before
+
+
+# --- configs/errors --------------------------------------------------------------------------------------------------
+
+
+def test_every_kind_of_fault_has_a_broken_scene():
+    assert {path.suffix for path in BROKEN} == {".yaml"}
+    assert set(KINDS) <= {path.stem for path in BROKEN}
+    assert len(BROKEN) >= 80
+
+
+@pytest.mark.parametrize("path", BROKEN, ids=lambda path: path.stem)
+def test_broken_scene_is_one_line_and_writes_nothing(path, capsys, tmp_path):
+    comment = path.read_bytes().splitlines()[0].decode("ascii")
+    expected = comment.removeprefix("# expected: ")
+    assert expected.startswith(f"configs/errors/{path.name}:")
+    assert_refused([f"configs/errors/{path.name}"], expected, capsys, tmp_path)
+
+
+# --- files that are no scenes ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("source", "expected"),
+    [
+        ("configs/nowhere.yaml", "configs/nowhere.yaml: no such file or emotion"),
+        ("hapiness", "hapiness: no such file or emotion (did you mean happiness?)"),
+        ("configs", "configs: cannot be read: is a directory"),
+    ],
+)
+def test_no_file_to_read(source, expected, capsys, tmp_path):
+    assert_refused([source], expected, capsys, tmp_path)
+
+
+def test_name_too_long_for_a_file(capsys, tmp_path):
+    name = "x" * 300
+    code = main(["render", name, "-o", str(tmp_path / "out")])
+    out, err = capsys.readouterr()
+    assert code == 2
+    assert out == ""
+    assert err.startswith(f"{name}: ")
+    assert err.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_file_too_large_for_a_scene(capsys, tmp_path):
+    path = tmp_path / "large.yaml"
+    with path.open("wb") as file:
+        file.truncate(32_000_001)
+    assert_refused([str(path)], f"{path}: too large for a scene: more than 32 MB", capsys, tmp_path, before=1)
+
+
+# --- overrides -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        (["--set", "robot.k=8"], "--set robot.k=8: robot.k: unknown key (did you mean robot.K?)"),
+        (["--set", "video.frames=9"], "--set video.frames=9: video.frames: unknown key; "
+                                      "expected one of size, fps, trails, colours"),
+        (["--set", "robot.5=1"], "--set robot.5=1: robot.5: unknown key; expected one of model, l, K, limits"),
+        (["--set", "robot.K"], "--set robot.K: expected KEY=VALUE, as in robot.l=0.002"),
+        (["--set", "=8"], "--set =8: expected KEY=VALUE, as in robot.l=0.002"),
+        (["--set", "robot.K=fast"], "--set robot.K=fast: robot.K: 'fast': expected a number"),
+        (["--set", "robot.K=-1"], "--set robot.K=-1: robot.K: -1: expected more than 0"),
+        (["--set", "robot.K=[8"], "--set robot.K=[8: not YAML: expected ',' or ']', but got '<stream end>'"),
+        (["--set", "robot.K.x=8"], "--set robot.K.x=8: robot.K.x: there is nothing at x to set"),
+        (["--set", "video.colours.trails.5=#112233"], "--set video.colours.trails.5=#112233: video.colours.trails.5: "
+                                                      "there is nothing at 5 to set"),
+        (["--set", "robot=8"], "--set robot=8: robot: 8: expected a group of keys"),
+        (["--set", "duration="], "--set duration=: duration: empty: expected a number"),
+        (["--set", "robot.K=4", "--set", "seed=-1"], "--set seed=-1: seed: -1: expected at least 0"),
+        (["--seed", "-1"], "--seed -1: seed: -1: expected at least 0"),
+        (["--size", "1281x720"], "--size 1281x720: video.size: 1281x720: expected two even numbers from 64 to 8192, "
+                                 "as in 1280x720"),
+        (["--fps", "0"], "--fps 0: video.fps: 0: expected at least 1"),
+    ],
+)  # fmt: skip
+def test_override_is_named(options, expected, capsys, tmp_path):
+    assert_refused([SHIPPED, *options], expected, capsys, tmp_path)
+
+
+@pytest.mark.parametrize("key", ["²", "start.poses.².x", "9" * 5000, "robot.", ".", "robot..K", "robot.K.0"])
+def test_override_of_an_odd_key_is_a_scene_error(key):
+    with pytest.raises(SceneError) as caught:
+        overridden(f"{key}=1")
+    assert str(caught.value).startswith("--set ")
+
+
+def test_override_that_only_the_simulator_minds_is_named(capsys, tmp_path):
+    source = ["configs/errors/no_room_at_random.yaml", "--set", "start.min_spacing=0.07", "--set", "robots=180"]
+    message = "180 robots do not fit into 1.16 m x 0.761 m at random with 70 mm between centres: room was found for 135"
+    assert_refused(source, f"--set robots=180: robots: {message}", capsys, tmp_path)
+
+
+def test_override_mends_a_broken_scene(capsys):
+    broken = ["scene", "check", "configs/errors/out_of_range.yaml", "--set", "duration=0.2"]
+    assert main(broken) == 2
+    assert main([*broken, "--set", "behaviour.kappa=6.5"]) == 0
+    assert capsys.readouterr().out.startswith("configs/errors/out_of_range.yaml: valid\n")
+
+
+def test_later_override_wins():
+    assert overridden("robot.K=4", "robot.K=5").robot.K == 5
+
+
+def test_override_makes_the_group_it_is_in():
+    assert overridden().robot.limits is None
+    limits = overridden("robot.limits.v_max=0.1").robot.limits
+    assert limits is not None
+    assert (limits.v_max, limits.omega_max, limits.wheel_max) == (0.1, None, None)
+
+
+def test_override_makes_a_group_that_the_file_leaves_out(tmp_path):
+    short = tmp_path / "short.yaml"
+    short.write_text(Path(SHIPPED).read_text(encoding="utf-8").partition("video:  #")[0], encoding="utf-8")
+    assert load_scene(short).video.trails.robots != 2
+    assert overridden("video.trails.robots=2", source=short).video.trails.robots == 2
+
+
+def test_override_replaces_a_whole_group():
+    start = overridden("start={place: stage, min_spacing: 0.05}").start
+    assert start.model_dump() == {"place": "stage", "min_spacing": 0.05}
+
+
+def test_override_sets_an_item_of_a_list():
+    file = "configs/errors/poses_overlap.yaml"  # robots 1 and 2 overlap: only the simulator minds
+    poses = overridden("start.poses.1.x=0.1", source=file).start.model_dump()["poses"]
+    assert [pose["x"] for pose in poses] == [0, 0.1, 0.2]
+
+
+def test_override_of_an_item_of_a_list_is_named():
+    with pytest.raises(SceneError) as caught:
+        overridden("start.poses.1.x=east", source="configs/errors/poses_overlap.yaml")
+    assert str(caught.value) == "--set start.poses.1.x=east: start.poses.1.x: 'east': expected a number"
+
+
+def test_override_of_a_colour_is_no_comment():
+    colours = overridden("video.colours.body=#112233", "video.colours.trails.1=#445566").video.colours
+    assert colours.body == "#112233"
+    assert colours.trails[1] == "#445566"
+
+
+def test_override_with_nothing_is_null():
+    assert load_scene("configs/fear.yaml").behaviour.model_dump()["u_max"] is not None
+    assert overridden("behaviour.u_max=", source="configs/fear.yaml").behaviour.model_dump()["u_max"] is None
+
+
+def test_override_may_have_an_equals_sign_in_its_value():
+    with pytest.raises(SceneError, match=r"^--set emotion=a=b: emotion: 'a=b': expected one of happiness, "):
+        overridden("emotion=a=b")

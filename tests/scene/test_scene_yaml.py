@@ -1,0 +1,292 @@
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from emovid.errors import SceneError
+from emovid.scene.emotions import EMOTIONS
+from emovid.scene.load import parse_scene, scene_text
+from emovid.scene.yaml_text import read_value, read_yaml
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+SHIPPED = {emotion: (CONFIGS / f"{emotion}.yaml").read_text(encoding="utf-8") for emotion in EMOTIONS}
+
+
+def value_of(text):
+    return read_yaml(f"key: {text}\n", "scene.yaml")[0]["key"]
+
+
+def scene_or_error(text):
+    try:
+        return parse_scene(text, "scene.yaml")
+    except SceneError as error:
+        return error
+
+
+def assert_scene_or_one_line(text):
+    found = scene_or_error(text)
+    if isinstance(found, SceneError):
+        assert str(found).startswith("scene.yaml")
+        assert len(str(found).splitlines()) == 1
+    else:
+        assert parse_scene(scene_text(found), "again.yaml").resolved() == found.resolved()
+
+
+# --- values ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "number"),
+    [
+        ("15", 15), ("+2", 2), ("-3", -3), ("-0", 0), ("007", 7), ("08", 8), ("0x10", 16), ("0xfF", 255), ("0o17", 15),
+        ("1e-3", 0.001), ("1E3", 1000.0), ("1e+3", 1000.0), ("+1e3", 1000.0), ("6.5", 6.5), (".5", 0.5), ("-.5", -0.5),
+        ("5.", 5.0), ("5.e2", 500.0), ("1.0", 1.0), ("-0.0", -0.0), ("00.5", 0.5), ("1e999", float("inf")),
+        (".inf", float("inf")), ("-.Inf", float("-inf")), ("+.INF", float("inf")), (".nan", float("nan")),
+        (".NaN", float("nan")),
+    ],
+)  # fmt: skip
+def test_numbers(text, number):
+    assert repr(value_of(text)) == repr(number)  # by repr: 1 is not 1.0, -0.0 not 0.0, and nan is nan
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "on", "On", "off", "OFF", "yes", "Yes", "no", "NO", "y", "n", "1:30", "1:30.5", "2020-01-01",
+        "2020-01-01 10:00:00", "1_000", "0b11", "=", "<<", "nan", "inf", "None", "nil", "1e", "e3", "0,275", "15s",
+        "1280x720", "+", "-.", "0x", "١٥",
+    ],
+)  # fmt: skip
+def test_text_stays_text(text):
+    assert value_of(text) == text
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("true", True), ("True", True), ("TRUE", True), ("false", False), ("False", False), ("null", None),
+        ("Null", None), ("~", None), ("", None), ("# nothing", None), ("#112233", None), ('"15"', "15"),
+        ("'true'", "true"), ('"#112233"', "#112233"), ('""', ""),
+    ],
+)  # fmt: skip
+def test_words_and_quotes(text, value):
+    assert value_of(text) is value if value in (True, False, None) else value_of(text) == value
+
+
+@pytest.mark.parametrize("key", ["on", "no", "1", "null", "1e3", "2020-01-01", "<<", "="])
+def test_keys_are_text(key):
+    assert read_yaml(f"{key}: 1\n", "scene.yaml")[0] == {key: 1}
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("1e-3", 0.001), ("#112233", "#112233"), ("", None), ("  ", None), ("[1, 2]", [1, 2]), ("{a: b}", {"a": "b"})],
+)
+def test_single_values(text, value):
+    assert read_value(text, "--set x") == value
+
+
+@pytest.mark.parametrize("text", ["[", "a: b: c", "*a", "!x 1", "1\n---\n2"])
+def test_single_value_that_is_none_names_the_option_without_a_line(text):
+    with pytest.raises(SceneError) as caught:
+        read_value(text, "--set x")
+    assert caught.value.where == "--set x"
+
+
+# --- places ----------------------------------------------------------------------------------------------------------
+
+PLACED = """\
+# a comment
+
+emotion: fear
+behaviour:  # another
+
+  density:
+    kind: uniform
+start:
+  poses:
+    - x: 1
+      y: 2
+    -
+      x: 3
+stage: {width: 1,
+  height: 2}
+"""
+LINES = {
+    (): 3,
+    ("emotion",): 3,
+    ("behaviour",): 4,
+    ("behaviour", "density"): 6,
+    ("behaviour", "density", "kind"): 7,
+    ("start",): 8,
+    ("start", "poses"): 9,
+    ("start", "poses", 0): 10,
+    ("start", "poses", 0, "x"): 10,
+    ("start", "poses", 0, "y"): 11,
+    ("start", "poses", 1): 13,
+    ("start", "poses", 1, "x"): 13,
+    ("stage",): 14,
+    ("stage", "width"): 14,
+    ("stage", "height"): 15,
+}
+
+
+@pytest.mark.parametrize("line_break", ["\n", "\r\n"])
+def test_places_are_file_and_line(line_break):
+    places = read_yaml(PLACED.replace("\n", line_break), "a/b.yaml")[1]
+    assert places == {path: f"a/b.yaml:{line}" for path, line in LINES.items()}
+
+
+# --- refusals --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "f.yaml: empty: expected a scene"),
+        ("# only a comment\n", "f.yaml: empty: expected a scene"),
+        ("a: 1\nb: 2\na: 3\n", "f.yaml:3: a: given twice (first on line 1)"),
+        ("a:\n  b: 1\n  c: 2\n  b: 3\n", "f.yaml:4: a.b: given twice (first on line 2)"),
+        ("a: 1\n? [b]\n: 2\n", "f.yaml:2: a key must be a word"),
+        ("a: !b 1\n", "f.yaml:1: a: tags such as !b are not supported"),
+        ("a: !!python/name:os.system ''\n", "f.yaml:1: a: tags such as !!python/name:os.system are not supported"),
+        ("a: &b 1\nc: *b\n", None),
+        ("a: 1\n<<: *b\n", "f.yaml:2: not YAML: anchors and aliases are not supported"),
+        ("a: 1\n--- \nb: 2\n", "f.yaml:2: not YAML: found another document"),
+        ("a: " + "9" * 41, f"f.yaml:1: a: '{'9' * 40}' is no int"),
+        ("a: \x00", "f.yaml: not YAML: unacceptable character #x0000: special characters are not allowed"),
+        ("[" * 5000, "f.yaml: not a scene: nested too deeply"),
+    ],
+)
+def test_refusals(text, message):
+    with pytest.raises(SceneError) as caught:
+        read_yaml(text, "f.yaml")
+    assert message in (None, str(caught.value))
+
+
+@pytest.mark.parametrize(
+    "text", ["a: !!float 15", "a: !!str b", "a: ! b", "a: !!map {}", "a: !!seq []", "!!map {a: 1}"]
+)
+def test_tags_are_refused_even_where_they_change_nothing(text):
+    with pytest.raises(SceneError, match="tags"):
+        read_yaml(text, "f.yaml")
+
+
+@pytest.mark.parametrize("text", ["a: &b 1", "a: &b {}", "a: &b []", "&b {a: 1}"])
+def test_anchors_are_refused_even_if_unused(text):
+    with pytest.raises(SceneError, match="anchors"):
+        read_yaml(text, "f.yaml")
+
+
+def test_key_with_a_line_break_is_one_line():
+    with pytest.raises(SceneError) as caught:
+        parse_scene(SHIPPED["fear"] + '"a\\nb\\u2028c": 1\n', "f.yaml")
+    assert len(str(caught.value).splitlines()) == 1
+    assert "unknown key" in str(caught.value)
+
+
+@pytest.mark.parametrize("text", ['"\\U00110000": 1', 'a: "\\UFFFFFFFF"', f"%YAML {'9' * 5000}.1\n---\na: 1"])
+def test_numbers_that_python_cannot_take_are_no_yaml(text):
+    with pytest.raises(SceneError, match=r"^f\.yaml.*not YAML: "):
+        read_yaml(text, "f.yaml")
+
+
+# --- whatever is given -----------------------------------------------------------------------------------------------
+
+PUNCTUATION = " \n\t:-#[]{}&*!|>'\"%@`,?\\~.=<ax01eEUu"
+
+
+@given(st.text() | st.text(alphabet=PUNCTUATION))
+@example('"\\ud800": 1')  # half a character
+@example("\ud800")
+@example("? ")
+@settings(max_examples=300, deadline=None)
+def test_any_text_is_a_scene_or_one_line(text):
+    assert_scene_or_one_line(text)
+
+
+ODD_SCALARS = [
+    "", "null", "true", "false", ".nan", ".inf", "-.inf", "-1", "0", "-0.0", "1e-320", "1e999", "1e9", "0.5", "15.0",
+    "0x10", "007", '""', '"15"', '"a\\nb"', '"\\U00110000"', '"#112233"', "#112233", "text", "[]", "{}", "[[]]",
+    "[1]", "{x: 1}", "- x", "? x", "*a", "&a 1", "!!float 1", "!", "|", ">", "%", "@", "`", '"', "'", ",", ":", "]",
+    "}", "\t", "\x07", "\x85", "\u2028", "\U0001f916", "contour", "coverage", "circle", "uniform", "gaussian",
+    "boundary", "stage", "region", "poses", "single_integrator", "64x64", "0x0",
+]  # fmt: skip
+ODD_LINES = [
+    "",
+    "---",
+    "...",
+    "- 1",
+    "  ",
+    "\t",
+    "x",
+    "x: 1",
+    "  x: 1",
+    "    - x: 1",
+    '"a\\nb": 1',
+    "<<: *a",
+    "%YAML 1.1",
+]
+
+
+@st.composite
+def edited_scenes(draw):
+    lines = SHIPPED[draw(st.sampled_from(sorted(SHIPPED)))].splitlines()
+    lines = [line for line in lines if line and not line.startswith("#")]
+    for _ in range(draw(st.integers(1, 3))):
+        i = draw(st.integers(0, len(lines) - 1))
+        match draw(st.sampled_from(["delete", "duplicate", "replace", "indent", "move", "value", "value", "value"])):
+            case "delete":
+                del lines[i]
+            case "duplicate":
+                lines.insert(draw(st.integers(0, len(lines))), lines[i])
+            case "replace":
+                lines[i] = draw(st.sampled_from(ODD_LINES) | st.text(max_size=20))
+            case "indent":
+                lines[i] = draw(st.sampled_from(["", " ", "  ", "    ", "\t"])) + lines[i].lstrip()
+            case "move":
+                lines.append(lines.pop(i))
+            case "value":
+                key, colon, _ = lines[i].partition(":")
+                odd = draw(st.sampled_from(ODD_SCALARS) | st.integers().map(str) | st.floats().map(str) | st.text())
+                lines[i] = f"{key}{colon or ':'} {odd}"
+    return "\n".join(lines)
+
+
+@given(edited_scenes())
+@settings(max_examples=200, deadline=None)
+def test_any_edit_of_a_shipped_scene_is_a_scene_or_one_line(text):
+    assert_scene_or_one_line(text)
+
+
+KEYS = [
+    "emotion", "behaviour", "law", "shape", "kind", "density", "centre", "x", "y", "robot", "model", "l", "K",
+    "limits", "stage", "start", "place", "poses", "video",
+]  # fmt: skip
+SCALARS = st.none() | st.booleans() | st.integers() | st.floats() | st.text() | st.sampled_from(KEYS) | st.dates()
+NESTED = st.recursive(
+    SCALARS,
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.sampled_from(KEYS) | st.text(), inner, max_size=4),
+    max_leaves=8,
+)
+
+
+@given(NESTED)
+@settings(max_examples=150, deadline=None)
+def test_any_data_is_a_scene_or_one_line(data):
+    assert_scene_or_one_line(yaml.safe_dump(data, allow_unicode=True))
+
+
+def groups_in(data):
+    return [data, *(group for item in data.values() if isinstance(item, dict) for group in groups_in(item))]
+
+
+@given(st.sampled_from(sorted(SHIPPED)), st.data(), NESTED)
+@settings(max_examples=150, deadline=None)
+def test_any_data_in_a_shipped_scene_is_a_scene_or_one_line(emotion, choice, odd):
+    data = read_yaml(SHIPPED[emotion], "scene.yaml")[0]
+    group = choice.draw(st.sampled_from(groups_in(data)))
+    group[choice.draw(st.sampled_from(sorted(group)) | st.text(max_size=5))] = odd
+    assert_scene_or_one_line(yaml.safe_dump(data, allow_unicode=True, sort_keys=False))

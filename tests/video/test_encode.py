@@ -1,0 +1,182 @@
+import os
+import signal
+import stat
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mp4 import decode
+
+from emovid.errors import EmovidError, RenderError
+from emovid.video import encode
+from emovid.video.encode import count_frames, encoder_arguments, ffmpeg, write_video
+
+SIZE = (96, 64)
+
+
+def pictures(count: int) -> list[np.ndarray]:
+    """Return frames of one grey each, told apart by it."""
+    return [np.full((SIZE[1], SIZE[0], 4), [20 + 8 * k] * 3 + [255], np.uint8) for k in range(count)]
+
+
+def write(target: Path, count: int = 12, told: int | None = None, **keys: object) -> None:
+    write_video(pictures(count), told or count, encoder_arguments(*SIZE, 10), target, **keys)  # type: ignore[arg-type]
+
+
+@pytest.fixture
+def use_ffmpeg(monkeypatch, tmp_path):
+    """Put a shell script in ffmpeg's place."""
+
+    def use(script: str) -> None:
+        fake = tmp_path / "ffmpeg"
+        fake.write_text(f"#!/bin/sh\nreal='{ffmpeg()}'\n{script}\n")
+        fake.chmod(fake.stat().st_mode | stat.S_IXUSR)
+        monkeypatch.setattr(encode, "ffmpeg", lambda: str(fake))
+
+    return use
+
+
+def left(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir() if path.name != "ffmpeg")
+
+
+def test_frames_come_back_in_order(tmp_path) -> None:
+    write(tmp_path / "x.mp4")
+    frames = decode(tmp_path / "x.mp4", *SIZE)
+    assert frames.shape == (12, 64, 96, 3)
+    assert frames.mean(axis=(1, 2, 3)) == pytest.approx([20 + 8 * k for k in range(12)], abs=2)
+
+
+def test_frames_are_counted_without_trusting_anyone(tmp_path) -> None:
+    write(tmp_path / "x.mp4", count=7)
+    assert count_frames(tmp_path / "x.mp4") == 7
+    (tmp_path / "bad.mp4").write_bytes(b"no video")
+    assert count_frames(tmp_path / "bad.mp4") == 0
+    assert count_frames(tmp_path / "none.mp4") == 0
+
+
+@pytest.mark.parametrize(
+    ("script", "message"),
+    [
+        ("cat > /dev/null; exit 0", "wrote 0 of 12 frames"),
+        ("head -c 50000 > /dev/null; echo 'disk on fire' >&2; exit 3", "exit status 3: disk on fire"),
+        ("exit 1", "exit status 1: no message"),
+        ('head -c 100000 | "$real" "$@"; cat > /dev/null', "wrote 4 of 12 frames"),
+    ],
+    ids=["no file", "dies midway", "dies at once", "frames lost"],
+)
+def test_a_failing_ffmpeg_leaves_the_old_file(tmp_path, use_ffmpeg, script, message) -> None:
+    target = tmp_path / "x.mp4"
+    target.write_bytes(b"the old one")
+    use_ffmpeg(script)
+    with pytest.raises(RenderError, match=message) as failure:
+        write(target)
+    assert str(failure.value).startswith(f"{target}: ")
+    assert target.read_bytes() == b"the old one"
+    assert left(tmp_path) == ["x.mp4"]
+
+
+def test_an_ffmpeg_that_hangs_is_killed(tmp_path, use_ffmpeg, monkeypatch) -> None:
+    monkeypatch.setattr(encode, "_GRACE", 0.3)
+    use_ffmpeg("exec sleep 1000 < /dev/null")
+    started = time.monotonic()
+    with pytest.raises(RenderError, match="did not finish within"):
+        write_video(pictures(1)[:0], 0, encoder_arguments(*SIZE, 10), tmp_path / "x.mp4")
+    assert time.monotonic() - started < 30
+    assert left(tmp_path) == []
+
+
+def test_a_missing_ffmpeg_is_named(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(encode, "ffmpeg", lambda: "/nowhere/ffmpeg")
+    with pytest.raises(RenderError, match=r"x\.mp4: ffmpeg cannot be started: /nowhere/ffmpeg: no such file"):
+        write(tmp_path / "x.mp4")
+
+
+def test_an_interruption_leaves_nothing(tmp_path) -> None:
+    def interrupt(frames: int) -> None:
+        if frames == 5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        write(tmp_path / "x.mp4", on_frame=interrupt)
+    assert left(tmp_path) == []
+
+
+def test_a_full_disk_is_reported(tmp_path) -> None:
+    # A limit on file sizes ends ffmpeg like a full disk does, and needs no root.
+    code = (
+        "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000));"
+        "sys.path.insert(0, sys.argv[1]); import test_encode, pathlib, emovid.errors\n"
+        "try: test_encode.write(pathlib.Path(sys.argv[2]), 200)\n"
+        "except emovid.errors.RenderError as error: print(error); sys.exit(7)"
+    )
+    target = tmp_path / "x.mp4"
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(Path(__file__).parent), str(target)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 7, done.stderr
+    assert "ffmpeg failed with exit status" in done.stdout
+    assert left(tmp_path) == []
+
+
+def test_a_folder_that_vanishes_is_reported(tmp_path) -> None:
+    folder = tmp_path / "gone"
+    folder.mkdir()
+
+    def vanish(frames: int) -> None:
+        if frames == 3:
+            for path in folder.iterdir():
+                path.unlink()
+            folder.rmdir()
+
+    with pytest.raises(EmovidError, match=r"x\.mp4"):
+        write(folder / "x.mp4", on_frame=vanish)
+
+
+def test_what_a_killed_process_left_is_cleared(tmp_path) -> None:
+    code = (
+        "import os, signal, sys; sys.path.insert(0, sys.argv[1]); import test_encode, pathlib\n"
+        "test_encode.write(pathlib.Path(sys.argv[2]), on_frame=lambda k: os.kill(os.getpid(), signal.SIGKILL))"
+    )
+    target = tmp_path / "x.mp4"
+    done = subprocess.run([sys.executable, "-c", code, str(Path(__file__).parent), str(target)], check=False)
+    assert done.returncode == -signal.SIGKILL
+    deadline = time.monotonic() + 20
+    while not (stale := left(tmp_path)) and time.monotonic() < deadline:
+        time.sleep(0.05)  # the ffmpeg that was left alone ends when its input does
+    assert len(stale) == 1
+    assert stale[0].endswith(".part")
+    write(target)
+    assert left(tmp_path) == ["x.mp4"]
+
+
+def test_what_a_living_process_writes_is_left_alone(tmp_path) -> None:
+    own = tmp_path / f".x.mp4.{os.uname().nodename}-{os.getppid()}.part"
+    own.write_bytes(b"")
+    write(tmp_path / "x.mp4")
+    assert left(tmp_path) == [own.name, "x.mp4"]
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [(["-cpuflags", "0"], []), (["-cpuflags", "sse2"], []), ([], ["asm=0"]), ([], ["asm=sse2"])],
+    ids=["no SIMD in ffmpeg", "SSE2 in ffmpeg", "no SIMD in x264", "SSE2 in x264"],
+)
+def test_bytes_do_not_depend_on_the_processor(tmp_path, before, after) -> None:
+    rng = np.random.default_rng(0)
+    noise = [np.full((128, 160, 4), 255, np.uint8) for _ in range(15)]
+    for k, frame in enumerate(noise):
+        frame[20:90, 10 + 4 * k : 70 + 4 * k, :3] = rng.integers(0, 255, (70, 60, 3), np.uint8)
+    arguments = encoder_arguments(160, 128, 10)
+    write_video(noise, 15, arguments, tmp_path / "a.mp4")
+    other = [*before, *arguments]
+    place = other.index("-x264-params") + 1
+    other[place] = ":".join([other[place], *after])
+    write_video(noise, 15, other, tmp_path / "b.mp4")
+    assert (tmp_path / "a.mp4").read_bytes() == (tmp_path / "b.mp4").read_bytes()
