@@ -24,7 +24,7 @@ class SceneError(InputError):
     """A scene that cannot be meant: where (`file:line` or the option), which key, what was given, what is expected."""
 
     def __init__(self, where: str, key: str, message: str) -> None:
-        super().__init__(": ".join(part for part in (where, key, message) if part))
+        super().__init__(" ".join(": ".join(part for part in (where, key, message) if part).split()))
         self.where, self.key, self.message = where, key, message
 
     def __reduce__(self) -> tuple[type["SceneError"], tuple[str, str, str]]:

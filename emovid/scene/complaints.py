@@ -6,7 +6,7 @@ from typing import Any, Literal, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from emovid.errors import SceneError, nearest
-from emovid.scene.model import KeyPath, Places, Scene, place_of
+from emovid.scene.model import KeyPath, Places, Scene, key_path, place_of
 
 _BOUNDS = {
     "greater_than": ("gt", "more than"),
@@ -19,6 +19,7 @@ _KINDS = {
     "finite_number": "a finite number",
     "int_type": "a whole number",
     "string_type": "text",
+    "string_unicode": "text of Unicode characters",
     "list_type": "a list",
     "tuple_type": "a list",
     "model_type": "a group of keys",
@@ -33,9 +34,10 @@ def complaint(error: ValidationError, places: Places) -> SceneError:
         error: from validating a `Scene`.
         places: of the keys.
     """
-    found = [_problem(item) for item in error.errors(include_url=False)]
-    placed = [(place_of(path, places), path, message) for path, message in found]
-    where, path, message = min(placed, key=lambda problem: _line(problem[0]))
+    found = [(item["type"] == "missing", *_problem(item)) for item in error.errors(include_url=False)]
+    placed = [(missing, place_of(path, places), path, message) for missing, path, message in found]
+    # A misspelt key is a missing one too, on the line of its group: the misspelling says more.
+    _, where, path, message = min(placed, key=lambda problem: (problem[0], _line(problem[1])))
     return SceneError(where, ".".join(map(str, path)), message)
 
 
@@ -49,7 +51,7 @@ def _problem(item: Mapping[str, Any]) -> tuple[KeyPath, str]:
     kind, given, context = item["type"], item["input"], item.get("ctx", {})
     path = _walk(item["loc"])[0]
     if kind == "inconsistent":
-        return tuple(context["key"].split(".")), context["message"]
+        return key_path(context["key"]), context["message"]
     if kind == "extra_forbidden":
         return path, f"unknown key{_known_key(item['loc'], path)}"
     if kind == "missing":
@@ -85,7 +87,7 @@ def _shown(value: Any) -> str:
         return str(value).lower()
     if isinstance(value, dict):
         return "a group of keys"
-    text = f"{value:.15g}" if isinstance(value, float) else repr(value)
+    text = repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
 
 

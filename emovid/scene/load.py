@@ -13,7 +13,7 @@ from emovid.errors import SceneError, nearest
 from emovid.scene import yaml_text
 from emovid.scene.complaints import complaint
 from emovid.scene.emotions import EMOTIONS
-from emovid.scene.model import KeyPath, Scene
+from emovid.scene.model import KeyPath, Scene, key_path
 from emovid.whole_files import reason
 
 MAX_BYTES = 32_000_000  # a scene that lists the poses of 100 000 robots has 5 MB
@@ -52,7 +52,11 @@ def find_scene(source: str | Path) -> Path:
     if str(source) in EMOTIONS:
         return shipped_scene(str(source))
     path = Path(source)
-    if not path.exists():
+    try:
+        found = path.exists()
+    except OSError as error:
+        raise SceneError(str(path), "", f"cannot be read: {reason(error)}") from None
+    if not found:
         raise SceneError(str(source), "", f"no such file or emotion{nearest(str(source), EMOTIONS)}")
     return path
 
@@ -93,9 +97,11 @@ def scene_digest(scene: Scene) -> str:
 
 def _read(path: Path) -> str:
     try:
-        if path.stat().st_size > MAX_BYTES:
+        with path.open("rb") as file:
+            data = file.read(MAX_BYTES + 1)
+        if len(data) > MAX_BYTES:
             raise SceneError(str(path), "", f"too large for a scene: more than {MAX_BYTES // 1_000_000} MB")
-        return path.read_bytes().decode("utf-8-sig")
+        return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise SceneError(f"{path}:{line}", "", "not UTF-8 text") from None
@@ -106,7 +112,7 @@ def _read(path: Path) -> str:
 def _apply(setting: Setting, data: dict[str, Any], places: dict[KeyPath, str]) -> None:
     """Replace one key in `data`; groups on the way that are missing or null are made."""
     value = yaml_text.read_value(setting.value, setting.origin) if isinstance(setting.value, str) else setting.value
-    *parents, last = (int(part) if part.isdigit() else part for part in setting.key.split("."))
+    *parents, last = key_path(setting.key)
     target: Any = data
     for i, part in enumerate(parents):
         if isinstance(target, dict) and target.get(str(part)) is None:
@@ -114,7 +120,7 @@ def _apply(setting: Setting, data: dict[str, Any], places: dict[KeyPath, str]) -
             places.setdefault((*parents[:i], part), setting.origin)
         target = _child(target, part, setting)
     _child(target, last, setting, new=value)
-    path = (*parents, last)
+    path = (*parents, last if isinstance(target, list) else str(last))
     for inside in [known for known in places if known[: len(path)] == path]:
         del places[inside]
     places[path] = setting.origin

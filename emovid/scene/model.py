@@ -30,6 +30,11 @@ KeyPath = tuple[str | int, ...]
 Places = Mapping[KeyPath, str]
 
 
+def key_path(key: str) -> KeyPath:
+    """Return the path of a dotted key; numbers are places in a list."""
+    return tuple(int(part) if part.isdecimal() and len(part) < 10 else part for part in key.split("."))
+
+
 def place_of(path: KeyPath, places: Places) -> str:
     """Return the place of a key, or of the innermost group around it that was written."""
     return next((places[path[:n]] for n in range(len(path), -1, -1) if path[:n] in places), "")
@@ -246,7 +251,7 @@ class Colours(_Model):
 
 
 class Video(_Model):
-    size: Annotated[str, Field(pattern=r"^\d{2,5}x\d{2,5}$")] = Field(
+    size: Annotated[str, Field(pattern=r"^[1-9][0-9]{1,4}x[1-9][0-9]{1,4}$")] = Field(
         "1280x720", description="width x height [pixels], both even"
     )
     fps: Annotated[int, Field(ge=1, le=MAX_FPS)] = Field(30, description="frames per second")
@@ -298,7 +303,7 @@ class Scene(_Model):
 
     def fault(self, key: str, message: str) -> SceneError:
         """Return the error for what is wrong with `key`, naming the place it was written at."""
-        return SceneError(place_of(tuple(key.split(".")), self._places), key, message)
+        return SceneError(place_of(key_path(key), self._places), key, message)
 
     @property
     def frames(self) -> int:

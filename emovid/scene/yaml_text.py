@@ -24,15 +24,21 @@ _RESOLVERS = (
 
 
 class _Loader(yaml.SafeLoader):
-    """Composes nodes by the core schema, and refuses aliases."""
+    """Composes nodes by the core schema, refuses anchors and aliases, and shows the tags that were written."""
 
     yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012 - as PyYAML declares it; empty, so that only ours apply
 
     def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
-        if self.check_event(yaml.AliasEvent):
-            mark = self.peek_event().start_mark  # type: ignore[no-untyped-call]
+        event = self.peek_event()  # type: ignore[no-untyped-call]
+        if event.anchor is not None:  # an alias has the name of its anchor there
+            mark = event.start_mark
             raise yaml.MarkedYAMLError(problem="anchors and aliases are not supported", problem_mark=mark)
-        return super().compose_node(parent, index)
+        node = super().compose_node(parent, index)
+        if (
+            node is not None and event.tag is not None
+        ):  # keep it apart from the tags of plain values, so that it is refused
+            node.tag = event.tag.replace(_CORE, "!!")
+        return node
 
 
 for _name, _pattern, _first in _RESOLVERS:
@@ -62,6 +68,8 @@ def read_yaml(text: str, where: str) -> tuple[Any, dict[KeyPath, str]]:
         raise SceneError(f"{where}{line}", "", f"not YAML: {problem}") from None
     except yaml.YAMLError as error:
         raise SceneError(where, "", f"not YAML: {str(error).splitlines()[0]}") from None
+    except (ValueError, OverflowError):  # PyYAML's own, for characters beyond Unicode and endless version numbers
+        raise SceneError(where, "", "not YAML: a character or number beyond all bounds") from None
     except RecursionError:
         raise SceneError(where, "", "not a scene: nested too deeply") from None
 
@@ -84,7 +92,7 @@ def _value(node: yaml.Node, path: KeyPath, places: dict[KeyPath, str], where: st
         return [_value(item, (*path, i), places, where) for i, item in enumerate(node.value)]
     kind = node.tag.removeprefix(_CORE)
     if not isinstance(node, yaml.ScalarNode) or kind not in _SCALARS:
-        _refuse(node, path, where, f"tags such as {node.tag.replace(_CORE, '!!')} are not supported")
+        _refuse(node, path, where, f"tags such as {node.tag} are not supported")
     try:
         return _SCALARS[kind](node.value)
     except ValueError:

@@ -114,10 +114,12 @@ def _check_spacing(scene: Scene, poses: Array) -> None:
     if scene.robots < 2:
         return
     distance, other = cKDTree(poses[:, :2]).query(poses[:, :2], k=2)
-    i = int(np.argmin(distance[:, 1]))
-    if distance[i, 1] < (least := _spacing(scene)) - _ROUNDING:
+    least = _spacing(scene)
+    too_close = distance[:, 1] < least - _ROUNDING
+    if too_close.any():
+        i = int(np.argmax(too_close))
         raise scene.fault(
-            "robots",
+            "start.poses" if isinstance(scene.start, AtPoses) else "robots",
             f"{scene.robots} robots do not fit: robots {i + 1} and {other[i, 1] + 1} would start "
             f"{1000 * distance[i, 1]:.3g} mm apart, and need {1000 * least:.3g} mm",
         )

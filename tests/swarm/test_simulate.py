@@ -58,7 +58,8 @@ def test_surprise_grows_from_R_min_to_nine_tenths_of_R_max_and_folds(runs) -> No
     law = scene.behaviour
     radii = [polar(runs["surprise"], t)[0].mean() for t in (0, 1, 2, 3, 4)]
     assert radii == sorted(radii)
-    assert radii[0] == pytest.approx(np.hypot(law.R_min, scene.robot.l), abs=0.02)
+    ahead = look_ahead(runs["surprise"].poses[0], scene.robot.l)
+    assert np.hypot(*ahead.T) == pytest.approx(np.full(15, law.R_min))
     assert radii[-1] == pytest.approx(0.9 * law.R_max, abs=0.02)
     assert polar(runs["surprise"], 5.5)[0].mean() < 0.6 * radii[-1]
 

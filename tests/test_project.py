@@ -1,0 +1,133 @@
+"""What the README and the project's files promise."""
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from PIL import Image
+
+ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text()
+PATH = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+
+
+def run(*command: str, cwd: Path = ROOT, **keys: object) -> "subprocess.CompletedProcess[str]":
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=True, env=PATH, **keys)
+
+
+def commands(first_word: str) -> list[str]:
+    """Return the README's lines of code that start with a word, without their comments."""
+    lines = re.findall(rf"^    ({first_word} .*)$", README, re.MULTILINE)
+    return [line.split("#")[0].strip() for line in lines]
+
+
+def test_imports_run_one_way_through_the_rooms() -> None:
+    assert "0 broken" in run("lint-imports").stdout
+
+
+def test_every_make_command_of_the_readme_exists() -> None:
+    named = {*commands("make"), *re.findall(r"`(make [a-z-]+)`", README)}
+    assert {"make all-videos", "make test", "make bench"} <= named
+    for command in named:
+        run(*command.split(), "--dry-run")
+
+
+def test_the_readme_s_commands_do_what_they_say(tmp_path) -> None:
+    lines = commands("emovid")
+    assert len(lines) >= 10
+    for line in lines:
+        command, _, target = line.partition(" > ")
+        done = run(*shlex.split(command), cwd=tmp_path)
+        if target:
+            (tmp_path / target).write_text(done.stdout)
+    made = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.*")}
+    assert {"videos/anger.mp4", "videos/presentation_order.csv", "videos/my_scene.mp4", "out/fear.mp4"} <= made
+    assert {"my_scene.yaml", "fear.npz", "fear.csv", "emovid.schema.json", "videos/manifest.json"} <= made
+
+
+def test_the_readme_s_python_runs(tmp_path) -> None:
+    (block,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    run(sys.executable, "-c", block, cwd=tmp_path)
+    assert (tmp_path / "anger.mp4").stat().st_size > 100_000
+
+
+def test_the_rooms_of_the_readme_are_those_there_are() -> None:
+    named = set(re.findall(r"^\| `([a-z/]+)/` ", README, re.MULTILINE))
+    rooms = {f"emovid/{path.name}" for path in (ROOT / "emovid").iterdir() if (path / "__init__.py").is_file()}
+    assert named == rooms | {"configs", "tests", "benchmarks"}
+
+
+def test_the_picture_of_the_readme_is_what_the_scenes_look_like_now(tmp_path) -> None:
+    run(sys.executable, str(ROOT / "docs" / "make_picture.py"), str(tmp_path / "now.png"))
+    shown, now = (
+        np.asarray(Image.open(path).convert("RGB"), dtype=float)
+        for path in (ROOT / "docs" / "six-emotions.png", tmp_path / "now.png")
+    )
+    assert shown.shape == now.shape
+    assert np.abs(shown - now).mean() < 0.5, "run make picture"
+
+
+def test_the_versions_agree() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    assert yaml.safe_load((ROOT / "CITATION.cff").read_text())["version"] == project["version"]
+    assert run(sys.executable, "-m", "emovid", "--version").stdout == f"emovid {project['version']}\n"
+
+
+def test_constraints_pin_every_package_and_name_no_address() -> None:
+    lines = (ROOT / "constraints.txt").read_text().splitlines()
+    assert all(re.fullmatch(r"[A-Za-z0-9_.-]+==[0-9][0-9a-z.]*", line) for line in lines)
+    pinned = {line.split("==")[0].lower().replace("_", "-") for line in lines}
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    wanted = [
+        *project["dependencies"],
+        *(need for extra in project["optional-dependencies"].values() for need in extra),
+    ]
+    assert {re.split("[>=<]", need)[0].lower().replace("_", "-") for need in wanted} <= pinned
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory) -> Path:
+    """Install the wheel, without its dependencies, into a folder of its own."""
+    folder = tmp_path_factory.mktemp("wheel")
+    run(sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder))
+    (wheel,) = folder.glob("*.whl")
+    target = folder / "site"
+    run(
+        sys.executable,
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--no-deps",
+        "--no-index",
+        "--target",
+        str(target),
+        str(wheel),
+    )
+    return target
+
+
+def test_an_installed_wheel_works_in_any_folder(site, tmp_path) -> None:
+    env = {**PATH, "PYTHONPATH": str(site)}
+    where = "import emovid.scene.load as load; print(load.__file__, load.shipped_scene('anger'))"
+    said = subprocess.run(
+        [sys.executable, "-c", where], cwd=tmp_path, env=env, capture_output=True, text=True, check=True
+    )
+    assert [path.startswith(str(site)) for path in said.stdout.split()] == [True, True]
+    small = ["--size", "96x64", "--fps", "5", "--set", "duration=1"]
+    render = [sys.executable, "-m", "emovid", "render", "--all", "--jobs", "2", *small]
+    subprocess.run(render, cwd=tmp_path, env=env, capture_output=True, check=True)
+    assert len(list((tmp_path / "videos").glob("*.mp4"))) == 6
+
+
+def test_a_wheel_carries_the_scenes_and_the_types_and_no_tests(site) -> None:
+    files = {str(path.relative_to(site)) for path in site.rglob("*") if path.is_file()}
+    assert {"emovid/configs/anger.yaml", "emovid/py.typed", "emovid/cli/main.py"} <= files
+    assert not [name for name in files if name.startswith(("tests", "configs"))]
