@@ -1,11 +1,17 @@
-"""The robots' bodies, seen from above: one table for spacing, for keeping to the stage and for drawing.
+"""The keys of `robot`, and the robots' bodies: one table for spacing, for keeping to the stage and for drawing.
 
 Lengths in metres, in the robot's own frame: x forward, y left, the origin midway between the wheels.
 """
 
 from dataclasses import dataclass
 from math import hypot
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from emovid.scene.fields import Keys
+
+MIN_L = 1e-6  # m; a robot with a shorter look-ahead only spins
 
 RobotModel = Literal["gritsbot", "single_integrator"]
 
@@ -50,3 +56,27 @@ _GRITSBOT = Body(width=0.03, corner=0.006, wheel_radius=0.005, wheel_width=0.003
 _POINT = Body(width=0.03, corner=0.015, wheel_radius=0.0, wheel_width=0.0, wheel_base=0.0, steers=False)
 
 BODIES: dict[RobotModel, Body] = {"gritsbot": _GRITSBOT, "single_integrator": _POINT}
+
+
+class Limits(Keys):
+    """What the motors can do. A command beyond a limit is scaled as a whole, so the curvature stays."""
+
+    v_max: Annotated[float, Field(gt=0, le=100)] | None = Field(None, description="largest linear speed [m/s]")
+    omega_max: Annotated[float, Field(gt=0, le=1000)] | None = Field(None, description="largest turning rate [rad/s]")
+    wheel_max: Annotated[float, Field(gt=0, le=100)] | None = Field(None, description="largest speed of a wheel [m/s]")
+
+
+class Robot(Keys):
+    """The robot model and its two parameters of the near-identity diffeomorphism, Appendix B."""
+
+    model: RobotModel = Field(description="gritsbot: a unicycle of 3 cm; single_integrator: an omnidirectional point")
+    l: Annotated[float, Field(gt=0, le=1)] | None = Field(
+        None, description="distance of the look-ahead point [m]: small is angular, large is smooth; a gritsbot needs it"
+    )
+    K: Annotated[float, Field(gt=0, le=1000)] = Field(description="proportional gain: larger is faster")
+    limits: Limits | None = Field(None, description="actuator limits; null is none")
+
+    @property
+    def body(self) -> Body:
+        """The robot's dimensions."""
+        return BODIES[self.model]

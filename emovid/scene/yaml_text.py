@@ -12,7 +12,7 @@ from typing import Any, NoReturn
 import yaml
 
 from emovid.errors import SceneError
-from emovid.scene.model import KeyPath
+from emovid.scene.places import KeyPath
 
 _CORE = "tag:yaml.org,2002:"
 _RESOLVERS = (

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from emovid.scene.model import Circle, CircularSinusoid, Contour, ExpandingCircle
+from emovid.scene.behaviour import Circle, CircularSinusoid, Contour, ExpandingCircle
 from emovid.swarm.arrays import Array
 
 

@@ -10,7 +10,8 @@ from functools import cache
 
 import numpy as np
 
-from emovid.scene.model import Coverage, Stage
+from emovid.scene.behaviour import Coverage
+from emovid.scene.model import Stage
 from emovid.swarm.arrays import Array, Indices
 from emovid.swarm.densities import Density, density_of
 from emovid.swarm.voronoi import voronoi_cells

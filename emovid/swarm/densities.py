@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from emovid.scene.model import Boundary, Gaussian, Stage, Uniform
+from emovid.scene.behaviour import Boundary, Gaussian, Uniform
+from emovid.scene.model import Stage
 from emovid.swarm.arrays import Array
 
 

@@ -4,7 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from emovid.scene.model import Coverage, Robot, Scene
+from emovid.scene.behaviour import Coverage
+from emovid.scene.model import Scene
+from emovid.scene.robots import Robot
 from emovid.swarm.arrays import Array, Mask
 from emovid.swarm.clearance import share_apart, share_on_stage
 from emovid.swarm.contours import followed_points, start_angles

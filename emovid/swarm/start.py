@@ -5,7 +5,9 @@ from itertools import product
 import numpy as np
 from scipy.spatial import cKDTree
 
-from emovid.scene.model import AtPoses, Coverage, InRegion, InStage, OnContour, Scene
+from emovid.scene.behaviour import Coverage
+from emovid.scene.model import Scene
+from emovid.scene.start import AtPoses, InRegion, InStage, OnContour
 from emovid.swarm.arrays import Array
 from emovid.swarm.contours import followed_points, start_angles, start_headings
 

@@ -52,8 +52,11 @@ class Trajectory:
         v, omega = self.commands[:, robot].T
         seconds = np.diff(self.t)
         length, turn = np.abs(v) * seconds, np.abs(omega) * seconds
-        # An arc of length s that turns by a rises by at most s a / 8 above its chord; each of n parts, 1 / n^2 of it.
-        parts = np.maximum(np.ceil(np.sqrt(length * turn / (8 * tolerance))), 1).astype(int)
+        # An arc of length s that turns by a rises by at most s a / 8 above its chord; each of n parts, 1 / n^2 of it. A
+        # circle of radius s / a below half the tolerance needs no parts, however often it is run through.
+        seen = length > turn * tolerance / 2
+        parts = np.ceil(np.sqrt(np.where(seen, length * turn, 0.0) / (8 * tolerance))).astype(int)
+        parts = np.maximum(parts, 1)
         period = np.repeat(np.arange(len(parts)), parts)
         within = np.arange(len(period)) - np.repeat(np.cumsum(parts) - parts, parts)
         elapsed = seconds[period] * within / parts[period]

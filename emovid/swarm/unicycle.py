@@ -6,7 +6,7 @@ leading axes are allowed throughout.
 
 import numpy as np
 
-from emovid.scene.model import Limits
+from emovid.scene.robots import Limits
 from emovid.swarm.arrays import Array
 
 

@@ -15,8 +15,9 @@ from matplotlib.path import Path
 from matplotlib.transforms import IdentityTransform
 from numpy.typing import NDArray
 
-from emovid.scene.model import Stage, Video
+from emovid.scene.model import Stage
 from emovid.scene.robots import Body
+from emovid.scene.video import Video
 from emovid.swarm.arrays import Array, Indices
 from emovid.swarm.trajectory import Trajectory
 from emovid.video.camera import Camera

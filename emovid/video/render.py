@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from emovid.scene.model import Video
+from emovid.scene.video import Video
 from emovid.swarm.trajectory import Trajectory
 from emovid.video.draw import Painter, Pixels
 from emovid.video.encode import encoder_arguments, write_video

@@ -3,8 +3,9 @@ import pytest
 from polygons import centroid_by_dblquad, shoelace
 from scipy.special import erf
 
+from emovid.scene.behaviour import Boundary, Coverage, Gaussian, Uniform
 from emovid.scene.load import load_scene
-from emovid.scene.model import Boundary, Coverage, Gaussian, Stage, Uniform
+from emovid.scene.model import Stage
 from emovid.swarm.coverage import corners_of, coverage_velocity, mass_and_centroid
 from emovid.swarm.densities import density_of
 from emovid.swarm.voronoi import voronoi_cells

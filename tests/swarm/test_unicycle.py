@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from emovid.scene.model import Limits
+from emovid.scene.robots import Limits
 from emovid.swarm.unicycle import look_ahead, move, near_identity, within_limits, wrapped
 
 ANGLE = st.floats(-10, 10)

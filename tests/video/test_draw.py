@@ -3,8 +3,8 @@ import pytest
 
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import load_scene
-from emovid.scene.model import Colours
 from emovid.scene.robots import BODIES
+from emovid.scene.video import Colours
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
 from emovid.video.draw import Painter, robot_parts, trailed_robots

@@ -1,0 +1,106 @@
+"""The keys of `behaviour`: the laws of Appendix A and their parameters."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from emovid.scene.fields import MAX_LENGTH, ORIGIN, Keys, Length, Point
+
+
+class ContourKeys(Keys):
+    """What the laws of all contours have."""
+
+    law: Literal["contour"] = Field(description="follow a point that runs along a contour")
+    angular_rate: float = Field(ge=-100, le=100, description="rate of the followed point about the centre [rad/s]")
+    centre: Point = Field(ORIGIN, description="centre of the contour [m]")
+
+    @property
+    def extent(self) -> float:
+        """Largest distance [m] of the contour from its centre."""
+        raise NotImplementedError
+
+
+class CircularSinusoid(ContourKeys):
+    """Happiness, Appendix A: r(theta) = R + A sin(f theta)."""
+
+    shape: Literal["circular_sinusoid"] = Field(description="a circle with a sinusoid superimposed")
+    R: Length = Field(description="radius of the main circle [m]")
+    A: Annotated[float, Field(ge=0, le=MAX_LENGTH)] = Field(description="amplitude of the sinusoid [m], below R")
+    f: Annotated[int, Field(ge=1, le=100)] = Field(description="ripples around the circle; the paper's is 6")
+
+    @property
+    def extent(self) -> float:
+        return self.R + self.A
+
+
+class ExpandingCircle(ContourKeys):
+    """Surprise, Appendix A: R(t) = mod(expansion_rate t, R_max - R_min) + R_min."""
+
+    shape: Literal["expanding_circle"] = Field(description="a circle that grows from R_min to R_max, again and again")
+    R_min: Length = Field(description="radius it starts from [m]")
+    R_max: Length = Field(description="radius at which it starts again [m], above R_min")
+    expansion_rate: Annotated[float, Field(gt=0, le=100)] = Field(description="growth of the radius [m/s]")
+
+    @property
+    def extent(self) -> float:
+        return self.R_max
+
+
+class Circle(ContourKeys):
+    """Sadness, Appendix A: a circle of constant radius."""
+
+    shape: Literal["circle"] = Field(description="a plain circle")
+    R: Length = Field(description="radius [m]")
+
+    @property
+    def extent(self) -> float:
+        return self.R
+
+
+class Uniform(Keys):
+    """The density of fear."""
+
+    kind: Literal["uniform"] = Field(description="the same density everywhere")
+
+
+class Boundary(Keys):
+    """The density of disgust."""
+
+    kind: Literal["boundary"] = Field(description="a ridge of density along every edge of the stage")
+    width: Length = Field(description="standard deviation of the ridge's Gaussian profile [m]")
+    inset: Annotated[float, Field(ge=0, le=MAX_LENGTH)] = Field(
+        0.0, description="distance of its crest from the edge [m]"
+    )
+
+
+class Gaussian(Keys):
+    """The density of anger."""
+
+    kind: Literal["gaussian"] = Field(description="a round peak of density")
+    centre: Point = Field(ORIGIN, description="where it peaks [m]")
+    sigma: Length = Field(description="standard deviation [m]")
+
+
+class Coverage(Keys):
+    """Fear, disgust and anger, Appendix A: each robot heads for the centroid of its Voronoi cell."""
+
+    law: Literal["coverage"] = Field(description="spread over a density: u = kappa (c - p)")
+    kappa: Annotated[float, Field(gt=0, le=1000)] = Field(description="proportional gain [1/s]")
+    u_max: Annotated[float, Field(gt=0, le=1000)] | None = Field(
+        None, description="cap on |u| [m/s]; null is the paper's law without one"
+    )
+    density: Annotated[Uniform | Boundary | Gaussian, Field(discriminator="kind")] = Field(
+        description="where the robots gather"
+    )
+    separation: Annotated[float, Field(ge=0, le=1)] | None = Field(
+        None,
+        description="clearance [m] kept between bodies: v is cut where the body would leave its own Voronoi cell; "
+        "null is the paper's law, which lets bodies touch",
+    )
+
+
+Contour = CircularSinusoid | ExpandingCircle | Circle
+Behaviour = Annotated[
+    Annotated[Contour, Field(discriminator="shape")] | Coverage,
+    Field(discriminator="law"),
+]

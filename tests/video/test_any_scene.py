@@ -1,0 +1,56 @@
+"""Any scene that is accepted is simulated and drawn; any other is one line."""
+
+import numpy as np
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from emovid.errors import SceneError
+from emovid.scene.emotions import EMOTIONS
+from emovid.scene.load import Setting, load_scene
+from emovid.swarm.simulate import simulate
+from emovid.swarm.summary import summarise
+from emovid.video.draw import Painter
+
+MAGNITUDES = st.sampled_from([1e-300, 1e-6, 1e-3, 0.01, 0.05, 0.1, 0.3, 0.5, 1.0, 2.0, 10.0, 100.0, 1000.0])
+COUNTS = st.sampled_from([0, 1, 2, 3, 7, 40])
+KEYS = {
+    **dict.fromkeys(("robot.l", "robot.K", "control_period", "stage.width", "stage.height", "duration"), MAGNITUDES),
+    **dict.fromkeys(("behaviour.R", "behaviour.A", "behaviour.R_min", "behaviour.R_max"), MAGNITUDES),
+    **dict.fromkeys(("behaviour.angular_rate", "behaviour.expansion_rate", "behaviour.kappa"), MAGNITUDES),
+    **dict.fromkeys(("behaviour.u_max", "behaviour.separation", "behaviour.density.sigma"), MAGNITUDES),
+    **dict.fromkeys(("behaviour.density.width", "behaviour.density.inset", "start.min_spacing"), MAGNITUDES),
+    **dict.fromkeys(("robot.limits.v_max", "robot.limits.omega_max", "robot.limits.wheel_max"), MAGNITUDES),
+    **dict.fromkeys(("video.trails.width", "video.trails.seconds", "start.region.width"), MAGNITUDES),
+    **dict.fromkeys(("robots", "behaviour.f", "video.fps", "video.trails.robots", "seed"), COUNTS),
+    "robot.model": st.sampled_from(["gritsbot", "single_integrator"]),
+    "video.size": st.sampled_from(["64x64", "66x300", "2000x64"]),
+}
+SETTING = st.sampled_from(sorted(KEYS)).flatmap(lambda key: st.tuples(st.just(key), KEYS[key]))
+
+
+@given(st.sampled_from(list(EMOTIONS)), st.lists(SETTING, max_size=3))
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+def test_any_scene_is_drawn_or_refused_in_one_line(emotion, pairs) -> None:
+    base = [("duration", 0.3), ("video.size", "64x64")]
+    refused = None
+    try:
+        scene = load_scene(emotion, [Setting(key, value, f"test {key}") for key, value in [*base, *pairs]])
+        if scene.robots * scene.duration / scene.control_period > 20_000:
+            return  # meant, but not here
+        run = simulate(scene)
+    except SceneError as error:
+        refused = error
+    if refused:
+        assert refused.where
+        assert refused.key
+        assert len(str(refused).splitlines()) == 1
+        return
+    assert np.isfinite(run.poses).all()
+    assert np.isfinite(run.commands).all()
+    half = np.array([scene.stage.width, scene.stage.height]) / 2 - scene.robot.body.radius
+    assert (np.abs(run.poses[..., :2]) <= half + 1e-9).all()
+    if getattr(scene.behaviour, "separation", None) is not None and scene.robots > 1:
+        assert summarise(run).body_distance >= scene.behaviour.separation - 1e-8
+    painter = Painter(run)
+    for t in (0.0, scene.duration / 2, scene.duration):
+        assert painter.frame(t).shape == (scene.video.height, scene.video.width, 4)
