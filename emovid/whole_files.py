@@ -1,5 +1,6 @@
 """Files that appear under their name whole or not at all, whatever interrupts the writing."""
 
+import glob
 import os
 import socket
 from collections.abc import Iterator
@@ -23,7 +24,7 @@ def whole_file(target: Path) -> Iterator[Path]:
     """
     host = socket.gethostname()
     stem = f".{target.name}.{host}-"
-    for left in target.parent.glob(f"{stem}*{_SUFFIX}"):
+    for left in target.parent.glob(f"{glob.escape(stem)}*{_SUFFIX}"):
         if not _is_alive(left.name.removeprefix(stem).removesuffix(_SUFFIX)):
             left.unlink(missing_ok=True)
     part = target.with_name(f"{stem}{os.getpid()}{_SUFFIX}")
@@ -68,6 +69,6 @@ def _is_alive(pid: str) -> bool:
         os.kill(int(pid), 0)
     except (ProcessLookupError, ValueError):
         return False
-    except OSError:  # it is another user's
-        return True
+    except PermissionError:  # it is another user's
+        pass
     return True

@@ -192,7 +192,7 @@ def _rectangle(length: float, width: float, y: float = 0.0) -> Path:
 
 def _rounded_square(width: float, corner: float) -> Path:
     """A square about the origin with round corners: a polygon, finer than pixels at any size we draw."""
-    angle = np.linspace(0, np.pi / 2, 9) + np.arange(4)[:, None] * np.pi / 2
+    angle = np.linspace(0, np.pi / 2, 17) + np.arange(4)[:, None] * np.pi / 2
     centres = (width / 2 - corner) * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
     points = centres[:, None] + corner * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     points = points.reshape(-1, 2)

@@ -19,7 +19,6 @@ from emovid.signals import held_signals
 from emovid.video.draw import Pixels
 from emovid.whole_files import reason, whole_file
 
-SUFFIX = ".mp4"
 _GRACE = 60  # seconds ffmpeg may take to finish a file once it has all frames
 
 

@@ -156,6 +156,14 @@ def test_what_a_killed_process_left_is_cleared(tmp_path) -> None:
     assert left(tmp_path) == ["x.mp4"]
 
 
+def test_names_that_look_like_patterns_are_names(tmp_path) -> None:
+    target = tmp_path / "[a]*.mp4"
+    bystander = tmp_path / f".a.mp4.{os.uname().nodename}-999999999.part"
+    bystander.write_bytes(b"")
+    write(target)
+    assert left(tmp_path) == sorted([bystander.name, target.name])
+
+
 def test_what_a_living_process_writes_is_left_alone(tmp_path) -> None:
     own = tmp_path / f".x.mp4.{os.uname().nodename}-{os.getppid()}.part"
     own.write_bytes(b"")
