@@ -3,7 +3,7 @@ PYTHON ?= python3
 JOBS ?= $(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
 BIN := .venv/bin
 
-.PHONY: all-videos test lint format bench picture setup clean
+.PHONY: all-videos study test lint format bench picture setup clean
 
 all-videos: .venv/installed
 	$(BIN)/emovid render --all --jobs $(JOBS) -o videos
@@ -16,6 +16,9 @@ lint: .venv/dev-installed
 
 format: .venv/dev-installed
 	$(BIN)/ruff check --fix . ; $(BIN)/ruff format .
+
+study: .venv/installed
+	$(BIN)/emovid study analyze studies/santos-egerstedt/responses.csv -o results
 
 bench: .venv/dev-installed
 	$(BIN)/python benchmarks/startup.py

@@ -8,7 +8,7 @@ from typing import Annotated, NoReturn
 import typer
 from typer.exceptions import TyperException
 
-from emovid.cli import scene
+from emovid.cli import scene, study
 from emovid.cli.render import render
 from emovid.cli.simulate import simulate
 from emovid.errors import EmovidError
@@ -21,6 +21,7 @@ app = typer.Typer(
 app.command()(render)
 app.command()(simulate)
 app.add_typer(scene.app, name="scene")
+app.add_typer(study.app, name="study")
 
 
 def _print_version(wanted: bool) -> None:

@@ -1,0 +1,337 @@
+"""`emovid study`: from a survey's exports to tables, tests, figures and a report; planning and rehearsing."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from emovid.cli.options import Json, Quiet
+from emovid.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from emovid.study.responses import Responses
+
+app = typer.Typer(help="Analyse a study, plan one, rehearse one.", no_args_is_help=True)
+
+Key = Annotated[
+    Path | None, typer.Option("--key", help="CSV with video_code,true_emotion, for blinded codes.", show_default=False)
+]
+Map = Annotated[Path | None, typer.Option("--map", help="YAML that says what cannot be detected.", show_default=False)]
+Labels = Annotated[
+    str | None,
+    typer.Option("--labels", help="The answers, with commas between; default: the six emotions.", show_default=False),
+]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="Of bootstraps, permutations and Monte Carlo tests.")]
+
+
+@app.command()
+def analyze(
+    sources: Annotated[
+        list[Path] | None,
+        typer.Argument(metavar="[EXPORT]...", help="Exports, or folders of them.", show_default=False),
+    ] = None,
+    key: Key = None,
+    mapping: Map = None,
+    by: Annotated[
+        list[str] | None,
+        typer.Option("--by", help="A group to analyse by; default: all there are.", show_default=False),
+    ] = None,
+    labels: Labels = None,
+    counts: Annotated[
+        Path | None,
+        typer.Option("--counts", help="A published confusion matrix, instead of exports.", show_default=False),
+    ] = None,
+    output: Annotated[Path, typer.Option("--output", "-o", help="The folder for results, made if missing.")] = Path(
+        "results"
+    ),
+    seed: Seed = 0,
+    quiet: Quiet = False,
+    as_json: Json = False,
+) -> None:
+    """Analyse a survey's export: confusion matrix, tests, figures, report.
+
+    Examples: emovid study analyze responses.csv · emovid study analyze exports/ --key key.csv --by gender -o results/
+    """
+    from emovid.figures.style import encoded
+    from emovid.study.outputs import result_files
+    from emovid.study.report import report_html
+    from emovid.whole_files import make_folder, writing
+
+    if bool(sources) == bool(counts):
+        raise InputError("expected exports to analyse, or --counts and a confusion matrix")
+    if output.exists() and not output.is_dir():
+        raise InputError(f"-o {output}: is a file; expected a folder")
+    if counts:
+        results, responses = _of_counts(counts, seed), None
+    else:
+        results, responses = _of_exports(sources or [], key, mapping, by or [], labels, seed)
+    figures = _figures(results)
+    pictures = {caption: ("svg+xml", encoded(figure, "svg")) for caption, figure in figures.values()}
+    files = result_files(results, responses) | {"report.html": report_html(results, responses, pictures)}
+    make_folder(output)
+    for name, text in files.items():
+        with writing(output / name) as file:
+            file.write(text.encode())
+    _save_figures(figures, output)
+    if as_json:
+        typer.echo(files["results.json"], nl=False)
+    elif not quiet:
+        _show(results, responses, output)
+
+
+def _of_counts(counts: Path, seed: int) -> dict[str, Any]:
+    from emovid.study.analyze import analyze_counts
+    from emovid.study.matrix import read_matrix
+
+    matrix, labels, signalled = read_matrix(counts)
+    inputs = [{"file": str(counts), "dialect": "confusion matrix", "sha256": _sha256(counts)}]
+    return analyze_counts(matrix, labels, signalled, seed) | {"provenance": _provenance(inputs, None, seed)}
+
+
+def _of_exports(
+    sources: list[Path], key: Path | None, mapping: Path | None, by: list[str], labels: str | None, seed: int
+) -> "tuple[dict[str, Any], Responses]":
+    from dataclasses import asdict
+
+    from emovid.errors import nearest
+    from emovid.study.analyze import analyze as run
+    from emovid.study.read import read_responses
+
+    chosen = [label.strip() for label in labels.split(",")] if labels else None
+    responses = read_responses(sources, key=key, mapping=mapping, labels=chosen, groups=by)
+    for column in by:
+        if column not in responses.participants.columns:
+            known = list(map(str, responses.participants.columns))
+            raise InputError(
+                f"--by {column}: expected one of {', '.join(known) or 'no groups'}{nearest(column, known)}"
+            )
+    inputs = [asdict(source) for source in responses.sources]
+    return run(responses, by, seed) | {"provenance": _provenance(inputs, key, seed)}, responses
+
+
+def _provenance(inputs: list[dict[str, Any]], key: Path | None, seed: int) -> dict[str, Any]:
+    from importlib.metadata import version
+
+    key_sha256 = _sha256(key) if key else None
+    return {"inputs": inputs, "key_sha256": key_sha256, "version": version("emovid"), "seed": seed}
+
+
+def _sha256(path: Path) -> str:
+    import hashlib
+
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _figures(results: Mapping[str, Any]) -> "dict[str, tuple[str, Figure]]":
+    """Return the figures by file name, each with its caption."""
+    import numpy as np
+
+    from emovid.figures.accuracy import accuracy_figure
+    from emovid.figures.circumplex import POSITIONS, circumplex_figure
+    from emovid.figures.confusion import confusion_figure
+
+    counts, signalled, labels = np.array(results["counts"]), results["emotions"], results["labels"]
+    made = {
+        "confusion-matrix": ("Answers to each video: percent, and counts", confusion_figure(counts, signalled, labels))
+    }
+    if set(signalled) <= set(POSITIONS):
+        caption = "Answers on the valence-arousal plane; a bubble's diameter is proportional to the answers"
+        made["circumplex"] = (caption, circumplex_figure(counts, signalled, labels))
+    for column, levels in results["groups"].items():
+        tables = [
+            [[_or_nan(block["recognition"][name][key]) for name in signalled] for block in levels.values()]
+            for key in ("rate", "ci_low", "ci_high")
+        ]
+        names = [f"{level} (n = {block['n_participants']})" for level, block in levels.items()]
+        rate, low, high = map(np.array, tables)
+        figure = accuracy_figure(rate, low, high, signalled, names, 1 / len(labels))
+        made[f"accuracy-{column.replace('_', '-')}"] = (f"Recognition by {column.replace('_', ' ')}", figure)
+    return made
+
+
+def _or_nan(value: float | None) -> float:
+    return float("nan") if value is None else value
+
+
+def _save_figures(figures: "Mapping[str, tuple[str, Figure]]", output: Path) -> None:
+    from emovid.figures.style import save
+
+    for name, (_, figure) in figures.items():
+        for suffix in ("pdf", "png"):
+            save(figure, output / f"{name}.{suffix}")
+
+
+def _show(results: Mapping[str, Any], responses: "Responses | None", output: Path) -> None:
+    """Print what was read, the matrix, the tests and the warnings."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(highlight=False, markup=False)
+    if responses is not None:
+        for source in responses.sources:
+            console.print(f"{source.file}: {source.dialect}, {source.participants} participants")
+        for item in responses.rejected[:20]:
+            console.print(f"{item.file}:{item.row}: {item.cell}: {item.value!r}: {item.reason}")
+        if len(responses.rejected) > 20:
+            console.print(f"... and {len(responses.rejected) - 20} more in rejected.csv")
+    matrix = Table("response (%)", *results["emotions"], box=box.SIMPLE, title="signaled emotion")
+    for label, row in zip(results["labels"], results["percent"], strict=True):
+        matrix.add_row(label, *("" if share is None else f"{share:.2f}" for share in row))
+    tests = Table(
+        "emotion", "n", "chi2", "p", "exact p", "w", "hits", "CI %", "Holm p", "majority", box=box.SIMPLE, padding=0
+    )
+    for name, fit in results["goodness_of_fit"].items():
+        tests.add_row(name, *_test_cells(fit, results["recognition"][name]))
+    console.print(matrix, tests)
+    for warning in results["warnings"]:
+        console.print(f"warning: {warning}")
+    console.print(f"results in {output}: report.html, results.json, tables and figures")
+
+
+def _test_cells(fit: Mapping[str, Any], found: Mapping[str, Any]) -> list[str]:
+    """Return the numbers of one video's tests, as short as a terminal is wide."""
+
+    def p(value: float) -> str:
+        return "<.001" if value < 0.001 else f"{value:.3f}".removeprefix("0")
+
+    return [
+        str(fit["n"]),
+        f"{fit['statistic']:.2f}",
+        p(fit["p"]),
+        p(fit["p_exact"]),
+        "" if fit["cohens_w"] is None else f"{fit['cohens_w']:.2f}",
+        str(found["hits"]),
+        f"{100 * found['ci_low']:.0f}-{100 * found['ci_high']:.0f}",
+        p(found["p_holm"]),
+        found["verdict"].removesuffix(" majority"),
+    ]
+
+
+@app.command()
+def columns(
+    source: Annotated[Path, typer.Argument(metavar="EXPORT", help="A survey's export.")],
+) -> None:
+    """Show what is detected in an export, and a map.yaml to edit."""
+    from emovid.study.read import describe_columns
+
+    typer.echo(str(describe_columns(source)), nl=False)
+
+
+@app.command()
+def compare(
+    original: Annotated[Path, typer.Argument(help="A confusion matrix, laid out as our confusion_matrix.csv.")],
+    replication: Annotated[Path, typer.Argument(help="Another, with the same labels.")],
+    seed: Seed = 0,
+    as_json: Json = False,
+) -> None:
+    """Set a replication beside the original: differences with intervals, and a test of the whole."""
+    from emovid.study import apa
+    from emovid.study.compare import compare as run
+    from emovid.study.matrix import read_matrix
+
+    first, labels, signalled = read_matrix(original)
+    second, other_labels, other_signalled = read_matrix(replication)
+    if (labels, signalled) != (other_labels, other_signalled):
+        raise InputError(f"{replication}: other labels than {original}: expected {', '.join(labels)}")
+    found = run(first, second, seed)
+    if as_json:
+        from dataclasses import asdict
+
+        named = dict(zip(signalled, map(asdict, found.videos), strict=True))
+        typer.echo(json.dumps(asdict(found) | {"videos": named, "apa": apa.compared(found)}, indent=2))
+        return
+    for name, video in zip(signalled, found.videos, strict=True):
+        low, high, points = (100 * value for value in (video.ci_low, video.ci_high, video.difference))
+        rates = f"{video.hits[0]}/{video.n[0]} and {video.hits[1]}/{video.n[1]}"
+        holm = apa.p_value(video.p_holm, "Holm p")
+        typer.echo(f"{name:<11}{rates:<19}{points:+6.1f} points [{low:+.1f}, {high:+.1f}], {holm}")
+    typer.echo(f"whole matrix: {apa.compared(found)}")
+
+
+@app.command()
+def power(
+    rate: Annotated[float, typer.Option(help="The hit rate to be found.")] = 0.4,
+    k: Annotated[int, typer.Option("--choices", min=2, max=12, help="Answers to choose from.")] = 6,
+    videos: Annotated[int, typer.Option(min=1, max=100, help="Tests that Holm corrects for.")] = 6,
+    alpha: Annotated[float, typer.Option(help="Level of the whole.")] = 0.05,
+    wished: Annotated[float, typer.Option("--power", help="Wished power.")] = 0.8,
+    as_json: Json = False,
+) -> None:
+    """Plan how many participants recognise a video above chance."""
+    from dataclasses import asdict
+
+    from emovid.study.power import plan
+
+    try:
+        found = plan(rate, k, videos, alpha, wished)
+    except ValueError as error:
+        raise InputError(str(error)) from None
+    if as_json:
+        typer.echo(json.dumps(asdict(found), indent=2))
+        return
+    for what, value in (
+        ("exact binomial against chance", found.n_binomial),
+        ("goodness of fit", found.n_goodness),
+        ("both", found.n),
+    ):
+        typer.echo(f"{what + ':':<31} {value if value is not None else 'more than can be planned'} participants")
+
+
+@app.command()
+def simulate(
+    output: Annotated[Path, typer.Option("--output", "-o", help="The CSV to write.")] = Path("responses.csv"),
+    participants: Annotated[int, typer.Option(min=1, max=1_000_000, help="Model participants.")] = 45,
+    accuracy: Annotated[float, typer.Option(min=0, max=1, help="Probability of a right answer.")] = 0.5,
+    matrix: Annotated[
+        Path | None, typer.Option("--matrix", help="Answer as in this confusion matrix, instead.", show_default=False)
+    ] = None,
+    bias: Annotated[
+        list[str] | None,
+        typer.Option("--bias", metavar="LABEL=WEIGHT", help="Weight of a wrong answer.", show_default=False),
+    ] = None,
+    elimination: Annotated[float, typer.Option(min=0, max=1, help="Share who give each label once.")] = 0.0,
+    dropout: Annotated[float, typer.Option(min=0, max=1, help="Probability to leave after a video.")] = 0.0,
+    seed: Seed = 0,
+) -> None:
+    """Write the responses of model participants, to rehearse a study before anyone watches."""
+    import numpy as np
+
+    from emovid.study.matrix import percent, read_matrix
+    from emovid.study.rehearse import Responders, rehearse, responders
+    from emovid.study.responses import EMOTIONS
+    from emovid.whole_files import make_folder, writing
+
+    if matrix:
+        counts, labels, signalled = read_matrix(matrix)
+        model = Responders(np.nan_to_num(percent(counts) / 100, nan=1 / len(labels)), elimination, dropout)
+    else:
+        labels = signalled = EMOTIONS
+        weights = _weights(bias or [], labels)
+        model = responders(np.full(len(signalled), accuracy), len(labels), weights, elimination, dropout)
+    table = rehearse(model, labels, signalled, participants, seed)
+    make_folder(output.parent)
+    with writing(output) as file:
+        file.write(table.to_csv(index=False, lineterminator="\n").encode())
+    typer.echo(f"{output}: {len(table)} answers of {participants} model participants", err=True)
+
+
+def _weights(pairs: list[str], labels: tuple[str, ...]) -> Any:
+    """Return the weight of each label among wrong answers."""
+    import numpy as np
+
+    from emovid.errors import nearest
+
+    weights = np.ones(len(labels))
+    for pair in pairs:
+        label, _, value = pair.partition("=")
+        if label not in labels:
+            raise InputError(f"--bias {pair}: expected one of {', '.join(labels)}{nearest(label, labels)}")
+        if not value.replace(".", "", 1).isdecimal():
+            raise InputError(f"--bias {pair}: expected LABEL=WEIGHT, a weight of 0 or more")
+        weights[labels.index(label)] = float(value)
+    return weights

@@ -1,0 +1,126 @@
+"""How every figure looks, and how it is saved: the same bytes in every run, whatever the user's matplotlibrc says."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.colors import to_hex, to_rgb
+from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import TextToPath
+
+from emovid.errors import InputError
+from emovid.whole_files import writing
+
+SINGLE_COLUMN, DOUBLE_COLUMN = 3.5, 7.16  # widths [in]; source: IEEE Author Center, "Resolution and Size"
+TEXT = 8.0  # of all text [pt]: figures are printed at the size they have
+POINTS = 72.0  # per inch
+NONE = "none"  # the answer "none of these"
+
+# About eleven steps of lightness (CIE L*) apart, so that they differ in grey; under protanopia, deuteranopia and
+# tritanopia (Machado et al. 2009, severity 1) any two are 17 or more apart in CIE Lab.
+EMOTION_COLOURS = {
+    "happiness": "#f7ce12",
+    "surprise": "#45bdf2",
+    "disgust": "#33a868",
+    "anger": "#c9501c",
+    "fear": "#8436a0",
+    "sadness": "#0f4068",
+}
+INK, QUIET, FAINT, NONE_COLOUR = "#1a1a1a", "#666666", "#b0b0b0", "#9c9c9c"
+
+_STYLE: Any = {
+    "font.family": ["DejaVu Sans"],  # comes with matplotlib
+    "font.size": TEXT,
+    **dict.fromkeys(("axes.labelsize", "axes.titlesize", "xtick.labelsize", "ytick.labelsize"), TEXT),
+    **dict.fromkeys(("legend.fontsize", "figure.labelsize", "figure.titlesize"), TEXT),
+    **dict.fromkeys(("axes.edgecolor", "axes.labelcolor", "text.color", "xtick.color", "ytick.color"), INK),
+    **dict.fromkeys(("axes.linewidth", "xtick.major.width", "ytick.major.width"), 0.6),
+    **dict.fromkeys(("xtick.major.size", "ytick.major.size"), 2.5),
+    "text.parse_math": False,  # a label may hold dollar signs
+    "legend.frameon": False,
+    "savefig.dpi": 300,
+    "pdf.fonttype": 42,  # TrueType, embedded: publishers refuse type 3
+    "ps.fonttype": 42,
+    "svg.hashsalt": "emovid",  # ids alike in every run
+}
+# What would differ between runs or machines is left out.
+_LEFT_OUT = {"pdf": "CreationDate", "png": "Software", "svg": "Date"}
+
+
+@contextmanager
+def in_style() -> Iterator[None]:
+    """Make everything drawn inside look like our figures; the user's settings are back afterwards."""
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(_STYLE)
+        yield
+
+
+@in_style()
+def encoded(figure: Figure, format: str) -> bytes:
+    """Return a figure as a file of the format: pdf, png (300 dpi) or svg."""
+    buffer = BytesIO()
+    figure.savefig(buffer, format=format, metadata={_LEFT_OUT[format]: None})
+    return buffer.getvalue()
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure in the format that the file's name ends in, whole or not at all.
+
+    Raises:
+        InputError: if that is none of .pdf, .png, .svg.
+        EmovidError: if the file cannot be written.
+    """
+    format = path.suffix.lower().removeprefix(".")
+    if format not in _LEFT_OUT:
+        raise InputError(f"{path}: a figure's name ends in .pdf, .png or .svg")
+    data = encoded(figure, format)
+    with writing(path) as file:
+        file.write(data)
+
+
+def settle(figure: Figure) -> Figure:
+    """Lay a figure out for good: matplotlib would do it anew each time it saves, starting from where it had come to."""
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    return figure
+
+
+def label_colours(labels: Sequence[str]) -> dict[str, str]:
+    """Return a colour for each label: the emotion's own, or, if any is no emotion of the study, steps of viridis."""
+    named = [label for label in labels if label != NONE]
+    colours = EMOTION_COLOURS
+    if not set(named) <= set(EMOTION_COLOURS):
+        colours = dict(zip(named, steps(len(named)), strict=True))
+    return {label: colours.get(label, NONE_COLOUR) for label in labels}
+
+
+def steps(count: int, colours: str = "viridis") -> list[str]:
+    """Return `count` colours from dark to light, colour-blind-safe and readable in grey."""
+    ends = {"viridis": (0.08, 0.95), "Blues": (0.75, 0.2)}[colours]
+    return [to_hex(colour) for colour in matplotlib.colormaps[colours](np.linspace(*ends, count))]
+
+
+def text_on(colour: str) -> str:
+    """Return the colour of text that is read best on `colour`: our ink, or white."""
+    channels = np.array(to_rgb(colour))
+    linear = np.where(channels <= 0.04045, channels / 12.92, ((channels + 0.055) / 1.055) ** 2.4)
+    luminance = linear @ [0.2126, 0.7152, 0.0722]  # WCAG 2: contrast is (lighter + 0.05) / (darker + 0.05)
+    return INK if (luminance + 0.05) ** 2 > 1.05 * 0.06 else "white"
+
+
+def heading(label: str) -> str:
+    """Return a label with its first letter in upper case, as in the paper's tables."""
+    return label[:1].upper() + label[1:]
+
+
+def text_width(texts: Iterable[str]) -> float:
+    """Return how wide the widest of the texts is [pt]."""
+    font = FontProperties(family="DejaVu Sans", size=TEXT)
+    measure = TextToPath().get_text_width_height_descent
+    return max((measure(text, font, ismath=False)[0] for text in texts), default=0.0)

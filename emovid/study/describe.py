@@ -1,0 +1,107 @@
+"""What was detected in an export, and a map.yaml to edit: `emovid study columns`."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from emovid.study.dialects.columns import code_in, column, holds_answers
+from emovid.study.dialects.people import PARTICIPANT
+from emovid.study.dialects.raw import Known, Raw
+from emovid.study.dialects.registry import dialect_of
+from emovid.study.errors import StudyError, quoted
+from emovid.study.labels import number
+from emovid.study.mapping import map_text
+from emovid.study.read import known_from, open_table
+from emovid.study.tables import Table
+
+_EXAMPLES = 3
+_MOST_CODES = 12
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of an export.
+
+    Attributes:
+        name: its header.
+        text: its question, where the file has one apart, else "".
+        role: what it was taken as ("participant", "video", "answer", "answer to z8r4", "order", "group"), or "".
+        examples: a few of its values.
+    """
+
+    name: str
+    text: str
+    role: str
+    examples: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Description:
+    """What was detected in an export.
+
+    Attributes:
+        file: its name.
+        dialect: in words, or "" if none was recognised.
+        problem: why it cannot be read as it stands, or "".
+        columns: in the order of the file.
+        map_yaml: the text of a map.yaml to edit.
+    """
+
+    file: str
+    dialect: str
+    problem: str
+    columns: tuple[Column, ...]
+    map_yaml: str
+
+
+def describe_columns(
+    path: Path, key: Path | None = None, mapping: Path | None = None, labels: Sequence[str] | None = None
+) -> Description:
+    """Return what is detected in one export.
+
+    Raises:
+        StudyError: if it is no table of text, or the key or the map cannot be meant.
+    """
+    known = known_from(key, mapping, labels)
+    table, _ = open_table(path)
+    dialect, problem, raw = "", "", None
+    try:
+        found = dialect_of(table, known)
+        dialect = found.name
+        raw = found.read(table, known)
+    except StudyError as error:
+        problem = error.message
+    roles = _roles(table, known, raw)
+    columns = tuple(_column(table, place, roles.get(name, "")) for place, name in enumerate(table.names))
+    return Description(str(path), dialect, problem, columns, _map(table, known, columns))
+
+
+def _roles(table: Table, known: Known, raw: Raw | None) -> dict[str, str]:
+    """Return the role of each column; what only looks like one has a question mark."""
+    if raw is not None:
+        return dict.fromkeys(map(str, raw.participants.columns), "group") | dict(raw.roles)
+    places = [place for place in range(len(table.names)) if holds_answers(table, place, known)]
+    roles = {table.names[place]: "answer?" for place in places}
+    person = column(table, *PARTICIPANT)
+    return roles if person is None else roles | {table.names[person]: "participant?"}
+
+
+def _column(table: Table, place: int, role: str) -> Column:
+    cells = table.cells[place]
+    examples = tuple(quoted(str(cell), 30)[1:-1] for cell in cells[cells != ""].unique()[:_EXAMPLES])
+    name, text = table.names[place], table.texts[place]
+    return Column(name, "" if text == name else text, role, examples)
+
+
+def _map(table: Table, known: Known, columns: Sequence[Column]) -> str:
+    """Return a map.yaml with what was found; the words of answers that are no labels are listed to be given one."""
+    named = {role: [c.name for c in columns if c.role.rstrip("?").split(" ")[0] == role] for role in _ROLES}
+    videos = {name: code_in(name, known) for name in named["answer"]} if len(named["answer"]) > 1 else {}
+    places = [place for place, c in enumerate(columns) if c.role.startswith("answer")]
+    words = sorted({number(str(word)) for place in places for word in table.cells[place].unique() if word})
+    unknown = [word for word in words if known.labels.find(word) is None][:_MOST_CODES]
+    participant = named["participant"][0] if named["participant"] else ""
+    return map_text(participant, videos, {name: name for name in named["group"]}, unknown)
+
+
+_ROLES = ("participant", "answer", "group")

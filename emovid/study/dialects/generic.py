@@ -1,0 +1,126 @@
+"""Tables of no tool in particular, and our own survey's: a row for each answer, or a column for each video."""
+
+from collections.abc import Mapping, Sequence
+
+import pandas as pd
+
+from emovid.study.dialects.columns import (
+    POSITION,
+    TRUTH,
+    answer_column,
+    column,
+    holds_answers,
+    no_videos,
+    positions,
+    says,
+    video_column,
+    video_columns,
+)
+from emovid.study.dialects.people import PARTICIPANT, groups_of, who, without
+from emovid.study.dialects.raw import Column, Known, Raw, answers_long, answers_wide
+from emovid.study.errors import StudyError
+from emovid.study.key import code_of
+from emovid.study.labels import plain
+from emovid.study.tables import Table
+
+_OWN = ("participant", "video", "position", "response")
+_LEFT_OUT = {
+    "test run": ("test", "pilot", "debug"),
+    "preview": ("preview", "survey preview"),
+    "partial": ("partial", "incomplete", "abandoned", "in progress", "started", "returned", "timed out"),
+    "rejected": ("rejected", "consent revoked", "data expired", "withdrawn"),
+    "bot": ("bot",),
+}
+
+
+def recognises_own(table: Table, known: Known) -> bool:
+    """Return whether a table is our own survey's export."""
+    return table.names[: len(_OWN)] == _OWN and not _is_mapped_wide(known)
+
+
+def recognises_long(table: Table, known: Known) -> bool:
+    """Return whether a table has a row for each answer: a column of videos and one of answers."""
+    video = video_column(table, known)
+    return not _is_mapped_wide(known) and video is not None and answer_column(table, known, video) is not None
+
+
+def recognises_wide(table: Table, known: Known) -> bool:
+    """Return whether a table has a column for each video."""
+    return bool(video_columns(table, known))
+
+
+def read_long(table: Table, known: Known) -> Raw:
+    """Read a table with a row for each answer."""
+    people = who(table, known, *PARTICIPANT)
+    table, people = without(table, known, people, left_out(table))
+    video = video_column(table, known)
+    answer = answer_column(table, known, video)
+    assert video is not None  # it was recognised by them
+    assert answer is not None
+    place = column(table, *POSITION)
+    roles = {video: "video", answer: "answer", people.place: "participant", place: "position"}
+    return Raw(
+        answers_long(table, people.ids, video, answer, None if place is None else table.cells[place]),
+        groups_of(table, known, people.ids, roles),
+        table.rejected,
+        people.dropped,
+        {table.names[i]: role for i, role in roles.items() if i is not None},
+        people.place is None,
+        {} if known.codes else _stated_codes(table, known, video),
+    )
+
+
+def read_wide(
+    table: Table, known: Known, *ids: str, reasons: Mapping[str, Column] | None = None, skip: Sequence[str] = ()
+) -> Raw:
+    """Read a table with a column for each video.
+
+    Args:
+        table: the file.
+        known: what is known besides.
+        ids: columns that may name the participant, else those that usually do.
+        reasons: rows whose participants are left out, see `people.without`.
+        skip: columns of the tool that are no answers and no groups.
+    """
+    people = who(table, known, *(ids or PARTICIPANT))
+    table, people = without(table, known, people, left_out(table, reasons))
+    tools = {place for place, name in enumerate(table.names) if plain(name) in {plain(title) for title in skip}}
+    videos = video_columns(table, known, [people.place, *tools])
+    if not videos:
+        raise StudyError(table.file, no_videos(table, known) or "no column holds answers; expected some", 1)
+    roles = {place: f"answer to {code}" for place, code in videos.items()} | {people.place: "participant"}
+    return Raw(
+        answers_wide(table, people.ids, videos, positions(table, known)),
+        groups_of(table, known, people.ids, {*roles, *tools}),
+        table.rejected,
+        people.dropped,
+        {table.names[i]: role for i, role in roles.items() if i is not None},
+        people.place is None,
+    )
+
+
+def left_out(table: Table, reasons: Mapping[str, Column] | None = None) -> dict[str, Column]:
+    """Return the rows of `reasons`, and those that a column `status` or `mode` calls a test, a preview or the like."""
+    masks = {reason: says(table, words, "status") | says(table, words, "mode") for reason, words in _LEFT_OUT.items()}
+    masks["test run"] |= says(table, ("true", "1", "yes"), "is_test")
+    masks["bot"] |= says(table, ("true", "1", "yes"), "is_bot")
+    for reason, mask in (reasons or {}).items():
+        masks[reason] = masks[reason] | mask if reason in masks else mask
+    return masks
+
+
+def _is_mapped_wide(known: Known) -> bool:
+    return bool(known.mapping.videos or known.mapping.in_order)
+
+
+def _stated_codes(table: Table, known: Known, video: int) -> dict[str, str]:
+    """Return the emotion of each video from a column such as `true_emotion`, if each has one."""
+    place = column(table, *TRUTH)
+    if place is None or not holds_answers(table, place, known):
+        return {}
+    pairs = pd.DataFrame({"video": table.cells[video], "truth": table.cells[place]}).drop_duplicates()
+    codes: dict[str, str] = {}
+    for code, truth in zip(pairs["video"].map(code_of), pairs["truth"].map(known.labels.find), strict=True):
+        if not truth or codes.setdefault(code, truth) != truth:
+            return {}
+    return codes

@@ -1,0 +1,95 @@
+"""oTree: all apps side by side (`app.round.player.field`), or one app with a row for each player and round."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from emovid.study.dialects.columns import below, column, says, video_column, video_columns
+from emovid.study.dialects.generic import read_wide
+from emovid.study.dialects.people import groups_of, joined, who
+from emovid.study.dialects.raw import Column, Known, Raw
+from emovid.study.dialects.trials import read_trials
+from emovid.study.tables import Table
+
+_CODE = "participant.code"
+_ROUND = "subsession.round_number"
+_FIELD = re.compile(r"(\w+)\.(\d+)\.player\.(\w+)")
+
+
+def recognises(table: Table, _: Known) -> bool:
+    """Return whether a table has the participants' codes."""
+    return _CODE in table.names
+
+
+def read(table: Table, known: Known) -> Raw:
+    """Read either export; bots, demonstrations and participants who did not reach the last page are left out."""
+    table = _bare(table)
+    for stacked in _stacked(table):
+        if known.mapping.videos or known.mapping.in_order or video_columns(table, known):
+            break
+        if video_column(stacked, known) is not None:
+            raw = _read_rounds(stacked, known)
+            people = who(table, known, _CODE)
+            return replace(
+                raw, participants=joined(raw.participants, groups_of(table, known, people.ids, _tool(table)))
+            )
+    if _ROUND in table.names and video_column(table, known) is not None:
+        return _read_rounds(table, known)
+    names = tuple(table.names[place] for place in _tool(table))
+    return read_wide(table, known, _CODE, reasons=_reasons(table), skip=names)
+
+
+def _read_rounds(table: Table, known: Known) -> Raw:
+    return read_trials(
+        table, known, ids=(_CODE,), order=(_ROUND,), reasons=_reasons(table), is_tool=lambda name: "." in name
+    )
+
+
+def _reasons(table: Table) -> dict[str, Column]:
+    reached, last = (column(table, f"participant.{name}") for name in ("_index_in_pages", "_max_page_index"))
+    reasons = {
+        "bot": says(table, ("1", "true"), "participant._is_bot"),
+        "test run": says(table, ("1", "true"), "session.is_demo"),
+        "partial": below(table, 1, "participant.visited"),
+    }
+    if reached is not None and last is not None:
+        pages = [pd.to_numeric(table.cells[place], errors="coerce") for place in (reached, last)]
+        reasons["partial"] |= pages[0] < pages[1]
+    return reasons
+
+
+def _bare(table: Table) -> Table:
+    """Return an app's own export with its fields (`player.video`) named as they were in the code."""
+    names = tuple(re.sub(r"^player\.(?!id_in_group|role|payoff)", "", name) for name in table.names)
+    return replace(table, names=names, texts=names)
+
+
+def _tool(table: Table) -> list[int]:
+    pattern = r"(participant|session|subsession|group)\.|.*\.(subsession|group)\.|.*player\.(id_in_group|role|payoff)$"
+    return [place for place, name in enumerate(table.names) if re.match(pattern, name)]
+
+
+def _stacked(table: Table) -> list[Table]:
+    """Return, for each app of several rounds, a table with a row for each player and round."""
+    apps: dict[str, dict[int, dict[str, int]]] = {}
+    for place, name in enumerate(table.names):
+        found = _FIELD.fullmatch(name)
+        if found:
+            apps.setdefault(found[1], {}).setdefault(int(found[2]), {})[found[3]] = place
+    return [_stack(table, rounds) for rounds in apps.values() if len(rounds) > 1]
+
+
+def _stack(table: Table, rounds: dict[int, dict[str, int]]) -> Table:
+    common = [place for place, name in enumerate(table.names) if name.startswith(("participant.", "session."))]
+    fields = list(dict.fromkeys(field for places in rounds.values() for field in places))
+    blank = pd.Series("", index=table.cells.index, dtype="str")
+    parts = []
+    for number, places in sorted(rounds.items()):
+        columns = [table.cells[place] for place in common] + [blank + str(number)]
+        columns += [table.cells[places[field]] if field in places else blank for field in fields]
+        parts.append(pd.DataFrame(dict(enumerate(columns))))
+    names = (*(table.names[place] for place in common), _ROUND, *fields)
+    cells = pd.concat(parts, ignore_index=True)
+    return replace(table, names=names, texts=names, cells=cells, lines=np.tile(table.lines, len(parts)))

@@ -1,0 +1,205 @@
+"""Participants: who they are, which of them are left out, and the groups they belong to."""
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from emovid.study.dialects.columns import column, named
+from emovid.study.dialects.raw import Column, Known
+from emovid.study.errors import StudyError
+from emovid.study.labels import number, plain
+from emovid.study.tables import Table
+
+PARTICIPANT = (
+    "participant",
+    "participant_id",
+    "participantid",
+    "participant_code",
+    "prolific_pid",
+    "prolific_id",
+    "worker_id",
+    "workerid",
+    "subject",
+    "subject_id",
+    "respondent",
+    "respondent_id",
+    "response_id",
+    "session",
+    "session_id",
+    "sessionid",
+    "id",
+)
+_TRAIT_WORDS = "gender sex age background robotics experience education country nationality language"
+# Words of columns that say something of the session or of the person that no table of a paper should hold.
+_PRIVATE_WORDS = (
+    "ip email mail name phone latitude longitude location address date time timestamp url browser agent version seed "
+    "token referrer referer user key status progress finished duration collector started ended created modified "
+    "prolific pid worker assignment index file hash comment comments seconds rt"
+)
+_TRAITS, _PRIVATE = frozenset(_TRAIT_WORDS.split()), frozenset(_PRIVATE_WORDS.split())
+_MOST_LEVELS = 12
+
+
+@dataclass(frozen=True, eq=False)
+class People:
+    """The participants of a table's rows.
+
+    Attributes:
+        ids: of each row.
+        place: the column that names them, None where they are numbered.
+        dropped: participants whose rows are no more in the table, by reason.
+    """
+
+    ids: Column
+    place: int | None
+    dropped: Mapping[str, int]
+
+
+def who(table: Table, known: Known, *names: str, alone: str = "") -> People:
+    """Return the participant of each row, from the first of these columns that there is.
+
+    Args:
+        table: the file.
+        known: whose map may say the column.
+        names: of columns.
+        alone: where no column tells, all rows are of this participant; if "", each row is of its own.
+
+    Raises:
+        StudyError: if the map's column is not there.
+    """
+    said = known.mapping.participant
+    place = named(table, said, "participant") if said else column(table, *names)
+    if place is not None:
+        return People(table.cells[place], place, {})
+    if alone:
+        return People(pd.Series(alone, index=table.cells.index, dtype="str"), None, {})
+    return People(pd.Series(np.arange(1, len(table.lines) + 1).astype(str), index=table.cells.index), None, {})
+
+
+def without(table: Table, known: Known, people: People, reasons: Mapping[str, Column]) -> tuple[Table, People]:
+    """Leave out participants as a whole.
+
+    Args:
+        table: the file.
+        known: whose map may drop the values of columns.
+        people: of its rows.
+        reasons: rows (True) whose participants go, by reason; a participant is counted under the first.
+
+    Returns:
+        the table and the people without them.
+    """
+    masks = {reason: np.asarray(mask, dtype=bool) for reason, mask in reasons.items()} | _dropped_by_map(table, known)
+    codes, names = pd.factorize(people.ids)
+    out = np.zeros(len(names), dtype=bool)
+    dropped = dict(people.dropped)
+    for reason, mask in masks.items():
+        hit = np.zeros(len(names), dtype=bool)
+        hit[codes[mask]] = True
+        count = int((hit & ~out).sum())
+        if count:
+            dropped[reason] = dropped.get(reason, 0) + count
+        out |= hit
+    if not out.any():
+        return table, people
+    kept = ~out[codes]
+    return table.rows(kept), People(people.ids[kept].reset_index(drop=True), people.place, dropped)
+
+
+def groups_of(table: Table, known: Known, ids: Column, used: Collection[int | None] = ()) -> pd.DataFrame:
+    """Return the groups of each participant: those of the map, those asked for, and columns that look like one.
+
+    Raises:
+        StudyError: if a group that is asked for changes within a participant.
+    """
+    codes, people = pd.factorize(ids)
+    frame = pd.DataFrame(index=pd.Index(people, name="participant", dtype="str"))
+    chosen = _asked(table, known)
+    for name, place in chosen.items():
+        if not _is_constant(codes, table.cells[place]):
+            message = "changes within a participant; expected one value: it is no group"
+            raise StudyError(table.file, message, 1, table.names[place])
+        frame[name] = _first(codes, len(people), table.cells[place])
+    for place, title in enumerate(table.names):
+        if place not in used and place not in chosen.values() and title not in frame and _is_group(table, place, codes):
+            frame[title] = _first(codes, len(people), table.cells[place])
+    return frame
+
+
+def groups_of_pairs(rows: Iterable[tuple[str, str, str]]) -> pd.DataFrame:
+    """Return the groups of each participant from triples of participant, group and value; the first value counts."""
+    frame = pd.DataFrame(list(rows), columns=["participant", "group", "value"], dtype="str")
+    frame = frame[frame["value"].str.strip() != ""].drop_duplicates(["participant", "group"])
+    order = frame["group"].unique()
+    wide = frame.pivot_table(index="participant", columns="group", values="value", aggfunc="first")
+    return wide.reindex(columns=order).fillna("").astype("str").rename_axis(columns=None)
+
+
+def joined(first: pd.DataFrame, second: pd.DataFrame) -> pd.DataFrame:
+    """Return the groups of both, of the first where both tell."""
+    extra = second[[name for name in second.columns if name not in first.columns]]
+    return first.join(extra, how="left").fillna("").astype("str")
+
+
+def _dropped_by_map(table: Table, known: Known) -> dict[str, NDArray[np.bool_]]:
+    masks: dict[str, NDArray[np.bool_]] = {}
+    for title, values in known.mapping.drop.items():
+        place = column(table, title)
+        if place is not None:
+            wanted = {number(value).casefold() for value in values}
+            cells = table.cells[place]
+            hits = {word for word in cells.unique() if number(str(word)).casefold() in wanted}
+            masks |= {f"{title} = {word}": (cells == word).to_numpy(dtype=bool) for word in sorted(hits)}
+    return masks
+
+
+def _asked(table: Table, known: Known) -> dict[str, int]:
+    chosen: dict[str, int] = {}
+    for name, title in known.mapping.groups.items():
+        place = column(table, title)
+        if place is not None:
+            chosen[name] = place
+    for name in known.groups:
+        place = _about(table, name)
+        if name not in chosen and place is not None:
+            chosen[name] = place
+    return chosen
+
+
+def _about(table: Table, name: str) -> int | None:
+    """Return the column of that name, or the only one whose header or question has all its words."""
+    place = column(table, name)
+    if place is not None:
+        return place
+    words = set(plain(name).split())
+    titles = [set(plain(f"{n} {t}").split()) for n, t in zip(table.names, table.texts, strict=True)]
+    places = [place for place, title in enumerate(titles) if words <= title]
+    return places[0] if len(places) == 1 and words else None
+
+
+def _is_group(table: Table, place: int, codes: NDArray[np.intp]) -> bool:
+    title, cells = set(plain(table.names[place]).split()), table.cells[place]
+    levels = cells[cells != ""].nunique()
+    if not levels or title & _PRIVATE or not table.names[place]:
+        return False
+    return bool(levels <= _MOST_LEVELS or title & _TRAITS) and _is_constant(codes, cells)
+
+
+def _is_constant(codes: NDArray[np.intp], cells: Column) -> bool:
+    """Return whether no participant has two different values, empty cells left out."""
+    filled = (cells != "").to_numpy(dtype=bool)
+    values, words = pd.factorize(cells[filled])
+    people = codes[filled]
+    return len(pd.unique(people * max(len(words), 1) + values)) == len(pd.unique(people))
+
+
+def _first(codes: NDArray[np.intp], people: int, cells: Column) -> list[str]:
+    """Return the first value of each participant that is not empty, else ""."""
+    filled = (cells != "").to_numpy(dtype=bool)
+    values, words = pd.factorize(cells[filled])
+    found = np.full(people, len(words))
+    found[codes[filled][::-1]] = values[::-1]  # of equal places the last that is written stays: the first row
+    texts = [*(number(str(word)) for word in words), ""]
+    return [texts[i] for i in found]

@@ -1,0 +1,168 @@
+"""Differences between groups of participants, and how much "no difference" is worth.
+
+Participants, not answers, are compared: the answers of one person to several videos are never pooled as independent.
+Beside each difference stand the smallest bound at which equivalence would hold and a Bayes factor, since a large p
+alone says nothing in favour of no difference.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from math import factorial
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import MonteCarloMethod, fisher_exact, permutation_test
+
+from emovid.study.goodness import DRAWS
+from emovid.study.pairs import Pair, mean_pair, rate_pair
+from emovid.study.recognition import holm
+
+# Ours: in a smaller group one person moves a rate by 25 points or more.
+MIN_GROUP = 5
+_SHUFFLED_PARTICIPANTS = 20_000_000  # in all draws together: a few seconds
+
+
+@dataclass(frozen=True)
+class ScoresDiffer:
+    """Mean scores of groups.
+
+    Attributes:
+        levels: the groups.
+        n: participants in each.
+        means: of their scores.
+        p: of means at least as far apart when participants are shuffled over groups; 1 for fewer than two groups.
+        method: "exact" or "Monte Carlo".
+        draws, seed: of the shuffles; 0 and None for "exact".
+        pairs: each two groups.
+        tiny: groups of fewer than `MIN_GROUP`.
+    """
+
+    levels: tuple[str, ...]
+    n: tuple[int, ...]
+    means: tuple[float, ...]
+    p: float
+    method: str
+    draws: int
+    seed: int | None
+    pairs: tuple[Pair, ...]
+    tiny: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class RatesDiffer:
+    """Hits of groups on one video.
+
+    Attributes:
+        levels: the groups.
+        hits, n: right answers and answers of each.
+        p: Fisher's exact test; for more than two groups with answers, Fisher, Freeman and Halton's from `DRAWS` tables.
+        p_holm: after Holm's correction over the videos.
+        pairs: each two groups.
+        tiny: groups of fewer than `MIN_GROUP` answers.
+    """
+
+    levels: tuple[str, ...]
+    hits: tuple[int, ...]
+    n: tuple[int, ...]
+    p: float
+    p_holm: float
+    pairs: tuple[Pair, ...]
+    tiny: tuple[str, ...]
+
+
+def levels_of(group: Sequence[object]) -> tuple[str, ...]:
+    """Return the groups that occur in `group`, sorted; who says nothing (empty, not text) is in none."""
+    return tuple(sorted({level for level in group if isinstance(level, str) and level}))
+
+
+def scores_differ(choices: NDArray[np.int64], group: Sequence[object], seed: int = 0) -> ScoresDiffer:
+    """Return whether the groups' mean scores differ, a score being the share of a participant's answers that hit.
+
+    Args:
+        choices: (participants, signalled) as `Responses.choices`; who answered nothing is left out.
+        group: of each participant.
+        seed: of the shuffles.
+    """
+    answered = (choices >= 0).sum(axis=1)
+    scores = (choices == np.arange(choices.shape[1])).sum(axis=1) / np.maximum(answered, 1)
+    label = np.array([level if isinstance(level, str) else "" for level in group], dtype=object)
+    label[answered == 0] = ""
+    levels = levels_of(label.tolist())
+    samples = [scores[label == level] for level in levels]
+    p, draws = _shuffled_means(samples, seed)
+    return ScoresDiffer(
+        levels=levels,
+        n=tuple(map(len, samples)),
+        means=tuple(float(sample.mean()) for sample in samples),
+        p=p,
+        method="Monte Carlo" if draws else "exact",
+        draws=draws,
+        seed=seed if draws else None,
+        pairs=tuple(
+            mean_pair((levels[i], levels[j]), samples[i], samples[j]) for i, j in combinations(range(len(levels)), 2)
+        ),
+        tiny=tuple(level for level, sample in zip(levels, samples, strict=True) if len(sample) < MIN_GROUP),
+    )
+
+
+def _shuffled_means(samples: list[NDArray[np.float64]], seed: int) -> tuple[float, int]:
+    """Return the p of the spread between means over shuffles, and the draws; 0 draws where all shuffles were listed."""
+    if len(samples) < 2:
+        return 1.0, 0
+    scores, sizes = np.concatenate(samples), np.array(list(map(len, samples)))
+    draws = min(DRAWS, max(999, _SHUFFLED_PARTICIPANTS // len(scores)))
+
+    def between(shuffled: NDArray[np.float64], axis: int = -1) -> NDArray[np.float64]:
+        sums = np.add.reduceat(shuffled, np.cumsum(sizes) - sizes, axis=axis)
+        return (np.moveaxis(sums, axis, -1) ** 2 / sizes).sum(axis=-1)
+
+    test = permutation_test(
+        (scores,),
+        between,
+        permutation_type="pairings",  # "independent" lists fewer shuffles, but refuses groups of one
+        vectorized=True,
+        n_resamples=draws,
+        batch=max(1, 2_000_000 // len(scores)),
+        alternative="greater",
+        rng=np.random.default_rng(seed),
+    )
+    return float(test.pvalue), 0 if factorial(min(len(scores), 20)) <= draws else draws
+
+
+def rates_differ(choices: NDArray[np.int64], group: Sequence[object], seed: int = 0) -> list[RatesDiffer]:
+    """Return, for each video, whether the groups recognise it alike; arguments as for `scores_differ`."""
+    levels = levels_of(group)
+    member = np.array([[level == mine for mine in group] for level in levels], dtype=bool).reshape(
+        len(levels), len(group)
+    )
+    n = member.astype(np.int64) @ (choices >= 0)
+    hits = member.astype(np.int64) @ (choices == np.arange(choices.shape[1]))
+    p = np.array([_fisher(h, m, seed) for h, m in zip(hits.T, n.T, strict=True)])
+    adjusted = holm(p, (n > 0).sum(axis=0) > 1)
+    return [
+        RatesDiffer(
+            levels=levels,
+            hits=tuple(h.tolist()),
+            n=tuple(m.tolist()),
+            p=float(p[j]),
+            p_holm=float(adjusted[j]),
+            pairs=tuple(
+                rate_pair((levels[a], levels[b]), (int(h[a]), int(h[b])), (int(m[a]), int(m[b])))
+                for a, b in combinations(range(len(levels)), 2)
+            ),
+            tiny=tuple(level for level, often in zip(levels, m, strict=True) if often < MIN_GROUP),
+        )
+        for j, (h, m) in enumerate(zip(hits.T, n.T, strict=True))
+    ]
+
+
+def _fisher(hits: NDArray[np.int64], n: NDArray[np.int64], seed: int) -> float:
+    """Return the p of hits and misses (2, groups), those without answers left out; 1 where nothing can differ."""
+    table = np.array([hits, n - hits])[:, n > 0]
+    if table.shape[1] < 2 or not table.any(axis=1).all():
+        return 1.0
+    if table.shape[1] == 2:
+        return float(fisher_exact(table).pvalue)
+    method = MonteCarloMethod(n_resamples=DRAWS, rng=np.random.default_rng(seed))
+    return float(fisher_exact(table, method=method).pvalue)

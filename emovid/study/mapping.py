@@ -1,0 +1,137 @@
+"""map.yaml: what an export does not say of itself."""
+
+from collections.abc import Mapping as Map
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from emovid.errors import SceneError, nearest
+from emovid.scene.yaml_text import read_yaml
+from emovid.study.errors import StudyError, quoted
+from emovid.study.key import code_of, read_bytes
+from emovid.study.tables import utf8
+
+KEYS = ("participant", "videos", "answers", "groups", "drop", "labels")
+_Places = Map[tuple[str | int, ...], str]
+
+
+@dataclass(frozen=True)
+class Mapping:
+    """What map.yaml says; columns are named as in the file, by their header or their question text.
+
+    Attributes:
+        participant: the column that tells participants apart, or "".
+        videos: the code of each of these columns.
+        in_order: or the codes of the columns that ask one question, in the order of the file.
+        answers: the label of each cell; None where it counts as no answer.
+        groups: the column of each group.
+        drop: the values of a column whose participants are left out.
+        labels: the labels, or none where they are the six emotions.
+    """
+
+    participant: str = ""
+    videos: Map[str, str] = field(default_factory=dict)
+    in_order: tuple[str, ...] = ()
+    answers: Map[str, str | None] = field(default_factory=dict)
+    groups: Map[str, str] = field(default_factory=dict)
+    drop: Map[str, tuple[str, ...]] = field(default_factory=dict)
+    labels: tuple[str, ...] = ()
+
+
+def read_mapping(path: Path) -> Mapping:
+    """Return what a map.yaml says.
+
+    Raises:
+        StudyError: for an unknown key or a value of another kind, with file, line and key.
+    """
+    text = utf8(read_bytes(path), str(path)).decode()
+    if not text.strip():
+        raise StudyError(str(path), f"empty; expected some of {', '.join(KEYS)}")
+    try:
+        values, places = read_yaml(text, str(path))
+    except SceneError as error:
+        raise StudyError(error.where, error.message.replace("a scene", "a map"), 0, error.key) from None
+    if not isinstance(values, dict):
+        raise StudyError(str(path), f"no map; expected some of {', '.join(KEYS)}")
+    for key in values:
+        if key not in KEYS:
+            raise StudyError(places[key,], f"unknown key{nearest(key, KEYS)}; expected {', '.join(KEYS)}", 0, key)
+    return _mapping({key: value for key, value in values.items() if value is not None}, places)
+
+
+def map_text(participant: str, videos: Map[str, str], groups: Map[str, str], answers: Sequence[str]) -> str:
+    """Return a map.yaml to edit: what was found in a file, and in comments what else can be said."""
+    known: dict[str, Any] = {}
+    if participant:
+        known["participant"] = participant
+    known["videos"] = dict(videos) or None
+    known["answers"] = dict.fromkeys(answers) or None
+    known["groups"] = dict(groups) or None
+    text = yaml.safe_dump(known, sort_keys=False, allow_unicode=True, default_flow_style=False, width=10_000)
+    return text.replace(": null\n", ":\n") + _COMMENTS
+
+
+_COMMENTS = """\
+# videos: a code for each column as above, or a list of codes for columns that ask one question, in their order
+# answers: the label of each cell above, none for "none of these", nothing for no answer
+# drop: {column: [values]} leaves out their participants
+# labels: [happiness, surprise, ...] where they are not the six emotions
+"""
+
+
+def _mapping(values: dict[str, Any], places: _Places) -> Mapping:
+    def words(key: str) -> dict[str, str]:
+        table = _table(values, key, places)
+        return {name: _word(value, (key, name), places) for name, value in table.items() if value is not None}
+
+    videos = values.get("videos", {})
+    answers = {
+        cell: None if label is None else _word(label, ("answers", cell), places)
+        for cell, label in _table(values, "answers", places).items()
+    }
+    return Mapping(
+        participant=_word(values.get("participant", ""), ("participant",), places),
+        videos={} if isinstance(videos, list) else {column: code_of(code) for column, code in words("videos").items()},
+        in_order=_list(videos, ("videos",), places, code_of) if isinstance(videos, list) else (),
+        answers=answers,
+        groups=words("groups"),
+        drop={
+            name: _list(value if isinstance(value, list) else [value], ("drop", name), places)
+            for name, value in _table(values, "drop", places).items()
+        },
+        labels=_list(values.get("labels", []), ("labels",), places),
+    )
+
+
+def _table(values: dict[str, Any], key: str, places: _Places) -> dict[str, Any]:
+    table = values.get(key, {})
+    if not isinstance(table, dict):
+        raise StudyError(places[key,], f"{quoted(str(table))} given; expected {_SHAPES[key]}", 0, key)
+    return table
+
+
+_SHAPES = {
+    "videos": "column: code, or a list of codes",
+    "answers": "cell: label",
+    "groups": "name: column",
+    "drop": "column: [values]",
+}
+
+
+def _list(value: Any, path: tuple[str, ...], places: _Places, change: Any = str) -> tuple[str, ...]:
+    if not isinstance(value, list):
+        raise StudyError(places[path], f"{quoted(str(value))} given; expected a list", 0, ".".join(path))
+    return tuple(change(_word(item, (*path, i), places)) for i, item in enumerate(value))
+
+
+def _word(value: Any, path: tuple[str | int, ...], places: _Places) -> str:
+    """Return a word; YAML reads some as numbers or as true and false, and they are meant as written."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str | int | float):
+        return str(value)
+    place = places.get(path) or places[path[:1]]
+    raise StudyError(place, f"{quoted(str(value))} given; expected a word", 0, ".".join(map(str, path)))

@@ -1,0 +1,192 @@
+"""From the exports of a survey to `Responses`: the door of this half of the room."""
+
+import hashlib
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import pandas as pd
+
+from emovid.errors import nearest
+from emovid.study.dialects.jspsych import json_table
+from emovid.study.dialects.raw import Known, Raw, no_answers
+from emovid.study.dialects.registry import dialect_of
+from emovid.study.errors import StudyError, quoted
+from emovid.study.key import read_bytes, read_key
+from emovid.study.labels import NONE, Labels, plain
+from emovid.study.mapping import Mapping, read_mapping
+from emovid.study.responses import EMOTIONS, Rejected, Responses, Source
+from emovid.study.settle import COLUMNS, settle
+from emovid.study.tables import Table, read_table
+from emovid.whole_files import reason
+
+
+@dataclass(frozen=True, eq=False)
+class _Read:
+    """One file: what it is, and what it says."""
+
+    source: Source
+    names: tuple[str, ...]
+    raw: Raw
+
+
+def read_responses(
+    sources: Sequence[Path] | Path,
+    key: Path | None = None,
+    mapping: Path | None = None,
+    labels: Sequence[str] | None = None,
+    groups: Sequence[str] = (),
+) -> Responses:
+    """Return the answers in one or more exports.
+
+    Args:
+        sources: files, and folders, which are read file by file: one that is no export is named in `rejected` (row 0).
+        key: the emotion of each video code, as video_code,true_emotion.
+        mapping: a map.yaml.
+        labels: instead of the six emotions, or of the map's.
+        groups: that must be found.
+
+    Raises:
+        StudyError: for a file that cannot be understood, and where no answer is left.
+    """
+    paths = [sources] if isinstance(sources, Path) else list(sources)
+    known = known_from(key, mapping, labels, groups)
+    files, skipped = _read_all(paths, known, {path.resolve() for path in (key, mapping) if path})
+    if not files:
+        first = skipped[0] if skipped else Rejected(", ".join(map(str, paths)), 0, "", "", "no file here")
+        raise StudyError(first.file, f"{first.reason}; expected an export of a survey" if not skipped else first.reason)
+    _check_columns(known.mapping, files)
+    return _responses(files, known, skipped)
+
+
+def known_from(
+    key: Path | None, mapping: Path | None, labels: Sequence[str] | None = None, groups: Sequence[str] = ()
+) -> Known:
+    """Return what is known besides the exports. Raises StudyError for a key or a map that cannot be meant."""
+    said = read_mapping(mapping) if mapping else Mapping()
+    try:
+        meant = Labels(labels or said.labels or EMOTIONS, said.answers)
+    except StudyError as error:
+        raise StudyError(str(mapping or "--labels"), error.message, 0, error.cell or error.file) from None
+    return Known(meant, read_key(key, meant) if key else {}, said, tuple(groups))
+
+
+def open_table(path: Path) -> tuple[Table, str]:
+    """Return the table of a file, CSV or jsPsych's JSON, and the SHA-256 of its bytes.
+
+    Raises:
+        StudyError: if it is neither, or has no rows.
+    """
+    data = read_bytes(path)
+    table = json_table(data, str(path)) if data.lstrip()[:1] in (b"[", b"{") else read_table(data, str(path))
+    if not len(table.lines):
+        found = table.rejected[0].reason if table.rejected else "a header alone"
+        raise StudyError(str(path), f"{found}; expected a row for each participant or answer", 1)
+    return table, hashlib.sha256(data).hexdigest()
+
+
+def _read_all(paths: Iterable[Path], known: Known, beside: set[Path]) -> tuple[list[_Read], list[Rejected]]:
+    files: list[_Read] = []
+    skipped: list[Rejected] = []
+    for path in paths:
+        for file in _files_in(path) if path.is_dir() else [path]:
+            if path.is_dir() and file.resolve() in beside:
+                continue
+            try:
+                files.append(_read_one(file, known))
+            except StudyError as error:
+                if not path.is_dir():
+                    raise
+                skipped.append(Rejected(str(file), 0, "", "", str(error).removeprefix(f"{file}: ")))
+    return files, skipped
+
+
+def _read_one(file: Path, known: Known) -> _Read:
+    twin = file.with_suffix(".csv")
+    if file.suffix == ".json" and twin.exists():
+        raise StudyError(str(file), f"the same data as {twin.name}")
+    table, digest = open_table(file)
+    dialect = dialect_of(table, known)
+    return _Read(Source(str(file), dialect.name, digest, 0), (*table.names, *table.texts), dialect.read(table, known))
+
+
+def _files_in(folder: Path) -> list[Path]:
+    try:
+        return sorted(file for file in folder.rglob("*") if file.is_file() and not file.name.startswith("."))
+    except OSError as error:
+        raise StudyError(str(folder), f"cannot be read: {reason(error)}") from None
+
+
+def _responses(files: list[_Read], known: Known, skipped: list[Rejected]) -> Responses:
+    raws = [_apart(file, len(files) > 1) for file in files]
+    stated = {code: emotion for raw in raws for code, emotion in raw.codes.items()}
+    names = [file.source.file for file in files]
+    parts = [raw.answers.assign(file=place) for place, raw in enumerate(raws)]
+    together = pd.concat(parts, ignore_index=True) if any(map(len, parts)) else no_answers().assign(file=[])
+    answers, rejected = settle(together, replace(known, codes=known.codes or stated), names)
+    dropped = Counter[str]()
+    for raw in raws:
+        dropped.update(raw.dropped)
+    rejected = [*skipped, *(row for raw in raws for row in raw.rejected), *rejected]
+    if not len(answers):
+        raise _nothing_left(names[0], rejected, dropped)
+    kept = answers.groupby("file")["participant"].nunique()
+    offers_none = known.labels.offers_none or bool((answers["perceived"] == NONE).any())
+    return Responses(
+        signalled=known.labels.signalled,
+        labels=(*known.labels.signalled, *([NONE] if offers_none else [])),
+        answers=answers[COLUMNS],
+        participants=_participants(answers, raws, together, dropped),
+        sources=tuple(replace(file.source, participants=int(kept.get(i, 0))) for i, file in enumerate(files)),
+        rejected=tuple(sorted(rejected, key=lambda row: (row.file, row.row))),
+        dropped=dict(dropped),
+    )
+
+
+def _apart(file: _Read, several: bool) -> Raw:
+    """Return what a file says; where its participants are mere numbers, and other files have theirs, with its name."""
+    raw = file.raw
+    if not (several and raw.numbered):
+        return raw
+    prefix = f"{Path(file.source.file).stem}:"
+    answers = raw.answers.assign(participant=prefix + raw.answers["participant"])
+    return replace(raw, answers=answers, participants=raw.participants.rename(index=lambda name: prefix + name))
+
+
+def _participants(
+    answers: pd.DataFrame, raws: Sequence[Raw], together: pd.DataFrame, dropped: Counter[str]
+) -> pd.DataFrame:
+    """Return the groups of each participant who has an answer; the others are counted as dropped."""
+    people = pd.Index(answers["participant"].unique(), name="participant", dtype="str")
+    without = len(set(together["participant"].unique()) - {""} - set(people))
+    if without:
+        dropped["no usable answer"] += without
+    frame = pd.DataFrame(index=people)
+    for raw in raws:
+        for name in raw.participants.columns:
+            column = raw.participants[name].reindex(people).fillna("").astype("str")
+            frame[name] = frame[name].where(frame[name] != "", column) if name in frame else column
+    return frame
+
+
+def _nothing_left(file: str, rejected: Sequence[Rejected], dropped: Counter[str]) -> StudyError:
+    if dropped:
+        counts = ", ".join(f"{count} {reason}" for reason, count in dropped.items())
+        return StudyError(file, f"no participant is left ({counts}); expected answers")
+    if not rejected:
+        return StudyError(file, "no answer in it; expected some")
+    first = rejected[0]
+    given = f"{quoted(first.value)} " if first.value else ""
+    others = f" ({len(rejected)} cells or rows rejected)" if len(rejected) > 1 else ""
+    return StudyError(first.file, f"{given}{first.reason}{others}; see emovid study columns", first.row, first.cell)
+
+
+def _check_columns(said: Mapping, files: Sequence[_Read]) -> None:
+    """Refuse a map whose columns no file has."""
+    names = [name for file in files for name in file.names]
+    spelled = {plain(name) for name in names}
+    for key, columns in (("groups", said.groups.values()), ("drop", said.drop)):
+        for name in columns:
+            if plain(name) not in spelled:
+                raise StudyError("map", f"no file has this column{nearest(name, names)}", 0, f"{key}: {name}")

@@ -1,0 +1,91 @@
+"""What a survey leaves behind, whatever tool it ran on: one answer for each participant and video."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+# The order of the rows and columns of the paper's Table III.
+EMOTIONS = ("happiness", "surprise", "anger", "fear", "disgust", "sadness")
+
+
+@dataclass(frozen=True)
+class Rejected:
+    """A row or a cell that could not be used.
+
+    Attributes:
+        file: it stands in.
+        row: its line in the file, counted from 1, the header included.
+        cell: the column's name, or "" where the whole row is meant.
+        value: what stands there.
+        reason: why it cannot be used, in a few words.
+    """
+
+    file: str
+    row: int
+    cell: str
+    value: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Source:
+    """A file that was read.
+
+    Attributes:
+        file: its name as given.
+        dialect: what it was recognised as, in words ("Google Forms", "long table").
+        sha256: of its bytes.
+        participants: kept from it.
+    """
+
+    file: str
+    dialect: str
+    sha256: str
+    participants: int
+
+
+@dataclass(frozen=True, eq=False)
+class Responses:
+    """The answers of a study.
+
+    Attributes:
+        signalled: the labels that videos may stand for, in the order of the tables' columns.
+        labels: the answers that participants may give, in the order of the tables' rows: `signalled`, and "none" after
+            them if the survey had "none of these".
+        answers: one row for each participant and video, with the columns `participant`, `video`, `signalled`,
+            `perceived` (all text) and `position` (Int64, counted from 1; missing where the order is not known).
+        participants: indexed by participant, one text column for each group (gender, robotics_background, age, ...).
+        sources: the files.
+        rejected: rows and cells that were not used.
+        dropped: participants left out as a whole, by reason ("preview", "partial", "bot", "test run", ...).
+    """
+
+    signalled: tuple[str, ...]
+    labels: tuple[str, ...]
+    answers: pd.DataFrame
+    participants: pd.DataFrame
+    sources: tuple[Source, ...] = ()
+    rejected: tuple[Rejected, ...] = ()
+    dropped: dict[str, int] = field(default_factory=dict)
+
+    def choices(self) -> NDArray[np.int64]:
+        """Return the answers (participants, signalled) as places in `labels`, -1 where one is missing.
+
+        Rows are in the order of `participants`. A participant who saw several videos of one emotion has the first here.
+        """
+        table = np.full((len(self.participants), len(self.signalled)), -1, dtype=np.int64)
+        first = self.answers.drop_duplicates(["participant", "signalled"])
+        rows = self.participants.index.get_indexer(first["participant"])
+        columns = pd.Index(self.signalled).get_indexer(first["signalled"])
+        table[rows, columns] = pd.Index(self.labels).get_indexer(first["perceived"])
+        return table
+
+    def counts(self) -> NDArray[np.int64]:
+        """Return the confusion matrix (labels, signalled): rows perceived, columns signalled, as in Table III."""
+        perceived = pd.Index(self.labels).get_indexer(self.answers["perceived"])
+        signalled = pd.Index(self.signalled).get_indexer(self.answers["signalled"])
+        matrix = np.zeros((len(self.labels), len(self.signalled)), dtype=np.int64)
+        np.add.at(matrix, (perceived, signalled), 1)
+        return matrix

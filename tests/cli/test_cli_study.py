@@ -1,0 +1,170 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from emovid.cli.main import main
+
+ROOT = Path(__file__).parents[2]
+REFERENCE = ROOT / "studies" / "santos-egerstedt"
+EMOTIONS = ["happiness", "surprise", "anger", "fear", "disgust", "sadness"]
+FILES = {
+    *("results.json", "report.html", "responses_tidy.csv", "rejected.csv", "tests.csv", "tests.tex"),
+    *(f"confusion_matrix.{suffix}" for suffix in ("csv", "md", "tex")),
+    *(f"{name}.{suffix}" for name in ("confusion-matrix", "circumplex") for suffix in ("pdf", "png")),
+    *(f"accuracy-{name}.{suffix}" for name in ("gender", "robotics-background") for suffix in ("pdf", "png")),
+}
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path, monkeypatch) -> Path:
+    """Work in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def reference(tmp_path_factory) -> Path:
+    """Analyse the reference study as the paper did."""
+    folder = tmp_path_factory.mktemp("reference") / "results"
+    groups = ["--by", "gender", "--by", "robotics_background"]
+    assert main(["study", "analyze", str(REFERENCE / "responses.csv"), *groups, "-o", str(folder), "--quiet"]) == 0
+    return folder
+
+
+def test_the_results_folder_has_all_that_is_promised(reference) -> None:
+    assert {path.name for path in reference.iterdir()} == FILES
+
+
+def test_the_reference_study_gives_table_iii(reference) -> None:
+    results = json.loads((reference / "results.json").read_text())
+    expected = [
+        [64.44, 17.78, 8.89, 4.44, 4.44, 13.33],
+        [11.11, 57.78, 8.89, 2.22, 0.00, 0.00],
+        [8.89, 0.00, 55.56, 13.33, 15.56, 4.44],
+        [6.67, 13.33, 20.00, 40.00, 35.56, 15.56],
+        [6.67, 4.44, 4.44, 26.67, 40.00, 2.22],
+        [2.22, 6.67, 2.22, 13.33, 4.44, 64.44],
+    ]
+    assert [[round(share, 2) for share in row] for row in results["percent"]] == expected
+    statistics = [round(results["goodness_of_fit"][name]["statistic"], 3) for name in EMOTIONS]
+    assert statistics == [75.133, 60.2, 54.067, 27.667, 39.933, 79.133]
+    assert results["n_participants"] == 45
+    assert set(results["groups"]) == {"gender", "robotics_background"}
+    assert results["groups"]["gender"]["female"]["n_participants"] == 13
+    provenance = results["provenance"]
+    assert (len(provenance["inputs"][0]["sha256"]), provenance["key_sha256"]) == (64, None)
+
+
+def test_two_analyses_are_equal_to_the_byte(reference, tmp_path) -> None:
+    groups = ["--by", "gender", "--by", "robotics_background"]
+    assert main(["study", "analyze", str(REFERENCE / "responses.csv"), *groups, "-o", "again", "--quiet"]) == 0
+    for name in FILES:
+        assert (tmp_path / "again" / name).read_bytes() == (reference / name).read_bytes(), name
+
+
+def test_the_terminal_shows_matrix_tests_and_warnings(capsys) -> None:
+    assert main(["study", "analyze", str(REFERENCE / "responses.csv")]) == 0
+    said = capsys.readouterr().out
+    for words in ("45 participants", "64.44", "75.13", "absolute", "warning: ", "results in results: report.html"):
+        assert words in said
+
+
+def test_blinded_codes_are_joined_with_their_key(tmp_path, capsys) -> None:
+    codes = {name: f"x{i}q" for i, name in enumerate(EMOTIONS)}
+    lines = (REFERENCE / "responses.csv").read_text().splitlines()
+    blinded = [lines[0]] + [
+        ",".join([row[0], codes[row[1]], *row[2:]]) for row in (line.split(",") for line in lines[1:])
+    ]
+    (tmp_path / "export.csv").write_text("\n".join(blinded) + "\n")
+    (tmp_path / "key.csv").write_text("video_code,true_emotion\n" + "".join(f"{c},{n}\n" for n, c in codes.items()))
+    assert main(["study", "analyze", "export.csv", "--key", "key.csv", "--json"]) == 0
+    results = json.loads(capsys.readouterr().out)
+    assert [results["counts"][i][i] for i in range(6)] == [29, 26, 25, 18, 18, 29]
+    assert len(results["provenance"]["key_sha256"]) == 64
+
+
+def test_a_published_matrix_is_analysed_alone(tmp_path, capsys) -> None:
+    assert main(["study", "analyze", "--counts", str(REFERENCE / "counts.csv"), "-o", "r"]) == 0
+    first = json.loads((tmp_path / "r/results.json").read_text())
+    assert main(["study", "analyze", "--counts", "r/confusion_matrix.csv", "-o", "again"]) == 0
+    again = json.loads((tmp_path / "again/results.json").read_text())
+    assert first["counts"] == again["counts"]
+    assert {path.name for path in (tmp_path / "r").iterdir()} == {
+        name for name in FILES if not name.startswith(("accuracy", "responses", "rejected"))
+    }
+
+
+def test_model_responders_are_analysed_like_people(tmp_path, capsys) -> None:
+    options = [
+        "--participants",
+        "30",
+        "--accuracy",
+        "0.7",
+        "--elimination",
+        "0.3",
+        "--dropout",
+        "0.05",
+        "--bias",
+        "fear=3",
+    ]
+    assert main(["study", "simulate", "-o", "m.csv", *options]) == 0
+    assert main(["study", "analyze", "m.csv", "--json"]) == 0
+    results = json.loads(capsys.readouterr().out)
+    assert results["n_participants"] == 30
+    assert results["dependence"]["order"] is not None  # positions are known
+    assert main(["study", "simulate", "-o", "n.csv", "--matrix", str(REFERENCE / "counts.csv")]) == 0
+    assert len((tmp_path / "n.csv").read_text().splitlines()) == 1 + 45 * 6
+
+
+def test_a_replication_stands_beside_the_original(capsys) -> None:
+    main(["study", "simulate", "-o", "m.csv", "--accuracy", "0.2", "--participants", "60"])
+    main(["study", "analyze", "m.csv", "-o", "r", "--quiet"])
+    capsys.readouterr()
+    assert main(["study", "compare", str(REFERENCE / "counts.csv"), "r/confusion_matrix.csv"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == [*EMOTIONS, "whole"]
+    assert main(["study", "compare", str(REFERENCE / "counts.csv"), "r/confusion_matrix.csv", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["videos"]["happiness"]["difference"] < -0.2
+
+
+def test_a_study_is_planned(capsys) -> None:
+    assert main(["study", "power", "--rate", "0.5", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["n_binomial"] == 24  # 0.5 against 1/6 at 0.05 / 6 with 80 % power
+    assert main(["study", "power"]) == 0
+    assert "participants" in capsys.readouterr().out
+
+
+def test_an_export_s_columns_are_shown(capsys) -> None:
+    assert main(["study", "columns", str(REFERENCE / "responses.csv")]) == 0
+    said = capsys.readouterr().out
+    for word in ("participant", "video", "response", "gender", "robotics_background"):
+        assert word in said
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["analyze"], "expected exports to analyse, or --counts and a confusion matrix"),
+        (["analyze", "x.csv", "--counts", "y.csv"], "expected exports to analyse, or --counts and a confusion matrix"),
+        (["analyze", "--counts", "y.csv"], "y.csv: cannot be read: no such file or directory"),
+        (["compare", "a.csv", "b.csv"], "a.csv: cannot be read: no such file or directory"),
+        (["power", "--rate", "0.1"], None),
+        (
+            ["simulate", "--bias", "feer=2"],
+            f"--bias feer=2: expected one of {', '.join(EMOTIONS)} (did you mean fear?)",
+        ),
+        (["simulate", "--bias", "fear=x"], "--bias fear=x: expected LABEL=WEIGHT, a weight of 0 or more"),
+        (["analyze", str(REFERENCE / "responses.csv"), "--by", "gendr"], None),
+        (["analyze", "nowhere.csv"], None),
+        (["columns", "nowhere.csv"], None),
+    ],
+)
+def test_a_mistake_is_one_line_and_leaves_nothing(tmp_path, capsys, arguments, message) -> None:
+    assert main(["study", *arguments]) == 2
+    said = capsys.readouterr()
+    assert len(said.err.splitlines()) == 1
+    assert message is None or said.err == message + "\n"
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,113 @@
+from itertools import permutations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from emovid.study.circumplex import ANGLES, distances, near_neighbours, positions
+from emovid.study.goodness import DRAWS
+from emovid.study.responses import EMOTIONS
+
+TABLE_III = np.array(
+    [
+        [29, 8, 4, 2, 2, 6],
+        [5, 26, 4, 1, 0, 0],
+        [4, 0, 25, 6, 7, 2],
+        [3, 6, 9, 18, 16, 7],
+        [3, 2, 2, 12, 18, 1],
+        [1, 3, 1, 6, 2, 29],
+    ]
+)
+
+
+def test_emotions_go_round_in_the_order_of_the_paper() -> None:
+    assert sorted(ANGLES, key=lambda emotion: ANGLES[emotion]) == list(EMOTIONS)
+
+
+def test_positions_are_on_the_circle() -> None:
+    points = positions(("happiness", "sadness", "none"))
+    assert np.hypot(*points[:2].T) == pytest.approx([1, 1])
+    assert points[0] == pytest.approx([0.990, 0.139], abs=1e-3)
+    assert (points[1] < 0).all()
+    assert np.isnan(points[2]).all()
+
+
+def test_distance_goes_the_short_way_round() -> None:
+    between = distances(EMOTIONS)
+    assert between[0, 5] == 360 - 199
+    assert between[3, 4] == 22
+    assert (between == between.T).all()
+    assert (np.diagonal(between) == 0).all()
+    assert between.max() <= 180
+
+
+def test_confusions_of_the_paper_are_near() -> None:
+    test = near_neighbours(TABLE_III, EMOTIONS)
+    assert (test.confusions, test.method, test.draws, test.seed) == (270 - 145, "exact", 0, None)
+    assert test.p == pytest.approx(9 / 720)
+    assert test.mean_distance < test.expected
+
+
+def test_against_arcs_measured_one_by_one() -> None:
+    angles = np.radians(list(ANGLES.values()))
+
+    def mean_arc(order) -> float:
+        arcs = [
+            np.degrees(np.arccos(np.cos(angles[order[i]] - angles[order[j]])))
+            for i in range(6)
+            for j in range(6)
+            for _ in range(TABLE_III[i, j])
+            if i != j
+        ]
+        return float(np.mean(arcs))
+
+    arcs = np.array([mean_arc(order) for order in permutations(range(6))])
+    test = near_neighbours(TABLE_III, EMOTIONS)
+    assert test.mean_distance == pytest.approx(arcs[0])
+    assert test.expected == pytest.approx(arcs.mean())
+    assert test.p == pytest.approx((arcs <= arcs[0] + 1e-6).mean())
+
+
+def test_only_nearest_neighbours_and_only_farthest() -> None:
+    between = distances(EMOTIONS) + np.diag(np.full(6, np.nan))
+    near, far = np.zeros((6, 6), dtype=np.int64), np.zeros((6, 6), dtype=np.int64)
+    near[np.nanargmin(between, axis=0), np.arange(6)] = 5
+    far[np.nanargmax(between, axis=0), np.arange(6)] = 5
+    assert near_neighbours(near, EMOTIONS).p < 0.05
+    assert near_neighbours(far, EMOTIONS).p > 0.95
+
+
+def test_nobody_was_confused() -> None:
+    test = near_neighbours(np.diag([3, 4, 5]), EMOTIONS[:3])
+    assert (test.confusions, test.p) == (0, 1)
+    assert np.isnan(test.mean_distance)
+
+
+def test_labels_without_a_place_are_left_out() -> None:
+    counts = np.array([[4, 9, 1], [9, 4, 9], [2, 9, 4], [7, 7, 7]])
+    test = near_neighbours(counts, ("fear", "awe", "anger", "none"))
+    assert (test.confusions, test.mean_distance, test.p) == (3, 17, 1)
+
+
+def test_fewer_videos_than_labels() -> None:
+    test = near_neighbours(TABLE_III[:, :2], EMOTIONS)
+    assert test.confusions == 90 - 29 - 26
+    assert test.mean_distance == pytest.approx((distances(EMOTIONS)[:, :2] * TABLE_III[:, :2]).sum() / test.confusions)
+
+
+def test_more_emotions_are_relabelled_at_random(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("emovid.study.circumplex._MOST_LISTED", 5)
+    test = near_neighbours(TABLE_III, EMOTIONS, seed=3)
+    assert (test.method, test.draws, test.seed) == ("Monte Carlo", DRAWS, 3)
+    assert test.p == pytest.approx(9 / 720, abs=0.005)
+    assert near_neighbours(TABLE_III, EMOTIONS, seed=3) == test
+
+
+@given(st.lists(st.integers(0, 9), min_size=16, max_size=16), st.integers(1, 5))
+@settings(max_examples=30)
+def test_more_answers_of_the_same_kind_change_nothing(cells: list[int], times: int) -> None:
+    counts = np.array(cells).reshape(4, 4)
+    one, many = near_neighbours(counts, EMOTIONS[:4]), near_neighbours(times * counts, EMOTIONS[:4])
+    assert 1 / 24 <= one.p <= 1
+    assert many.p == one.p
