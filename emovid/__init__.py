@@ -1,19 +1,20 @@
-"""Emotions expressed by a robot swarm: scenes, their simulation and their videos.
-
->>> from emovid import load_scene, simulate, render_video
-"""
+"""Emotions expressed by a robot swarm: scenes, their simulation and videos, and studies of what people see in them."""
 
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from emovid.scene.load import load_scene
+    from emovid.study.analyze import analyze
+    from emovid.study.read import read_responses
     from emovid.swarm.simulate import simulate
     from emovid.video.render import render_video
 
-__all__ = ["load_scene", "render_video", "simulate"]
+__all__ = ["analyze", "load_scene", "read_responses", "render_video", "simulate"]
 
 _HOMES = {
+    "analyze": "emovid.study.analyze",
     "load_scene": "emovid.scene.load",
+    "read_responses": "emovid.study.read",
     "simulate": "emovid.swarm.simulate",
     "render_video": "emovid.video.render",
 }

@@ -34,7 +34,7 @@ def test_imports_run_one_way_through_the_rooms() -> None:
 
 def test_every_make_command_of_the_readme_exists() -> None:
     named = {*commands("make"), *re.findall(r"`(make [a-z-]+)`", README)}
-    assert {"make all-videos", "make test", "make bench"} <= named
+    assert {"make all-videos", "make test", "make study", "make bench"} <= named
     for command in named:
         run(*command.split(), "--dry-run")
 
@@ -50,10 +50,12 @@ def test_the_readme_s_commands_do_what_they_say(tmp_path) -> None:
     made = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.*")}
     assert {"videos/anger.mp4", "videos/presentation_order.csv", "videos/my_scene.mp4", "out/fear.mp4"} <= made
     assert {"my_scene.yaml", "fear.npz", "fear.csv", "emovid.schema.json", "videos/manifest.json"} <= made
+    assert {"responses.csv", "results/report.html", "results/results.json", "results/circumplex.pdf"} <= made
 
 
 def test_the_readme_s_python_runs(tmp_path) -> None:
     (block,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    (tmp_path / "responses.csv").write_bytes((ROOT / "studies/santos-egerstedt/responses.csv").read_bytes())
     run(sys.executable, "-c", block, cwd=tmp_path)
     assert (tmp_path / "anger.mp4").stat().st_size > 100_000
 
@@ -61,7 +63,7 @@ def test_the_readme_s_python_runs(tmp_path) -> None:
 def test_the_rooms_of_the_readme_are_those_there_are() -> None:
     named = set(re.findall(r"^\| `([a-z/]+)/` ", README, re.MULTILINE))
     rooms = {f"emovid/{path.name}" for path in (ROOT / "emovid").iterdir() if (path / "__init__.py").is_file()}
-    assert named == rooms | {"configs", "tests", "benchmarks"}
+    assert named == rooms | {"configs", "studies", "tests", "benchmarks"}
 
 
 def test_the_picture_of_the_readme_is_what_the_scenes_look_like_now(tmp_path) -> None:

@@ -215,11 +215,21 @@ def _test_cells(fit: Mapping[str, Any], found: Mapping[str, Any]) -> list[str]:
 @app.command()
 def columns(
     source: Annotated[Path, typer.Argument(metavar="EXPORT", help="A survey's export.")],
+    key: Key = None,
+    mapping: Map = None,
 ) -> None:
-    """Show what is detected in an export, and a map.yaml to edit."""
-    from emovid.study.read import describe_columns
+    """Show what is detected in an export, and then, on its own, a map.yaml to edit.
 
-    typer.echo(str(describe_columns(source)), nl=False)
+    Example: emovid study columns export.csv > map.yaml
+    """
+    from emovid.study.describe import describe_columns
+
+    found = describe_columns(source, key, mapping)
+    typer.echo(f"# {found.file}: {found.dialect}" + (f"; {found.problem}" if found.problem else ""))
+    for column in found.columns:
+        name = " ".join(f"{column.name} ({column.text})".removesuffix(" ()").split())  # a question may have lines
+        typer.echo(f"# {column.role or 'not used':<12} {name}: {', '.join(map(repr, column.examples))}")
+    typer.echo(found.map_yaml, nl=False)
 
 
 @app.command()

@@ -12,7 +12,7 @@ from math import factorial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import MonteCarloMethod, fisher_exact, permutation_test
+from scipy.stats import MonteCarloMethod, chi2_contingency, fisher_exact, permutation_test
 
 from emovid.study.goodness import DRAWS
 from emovid.study.pairs import Pair, mean_pair, rate_pair
@@ -20,6 +20,9 @@ from emovid.study.recognition import holm
 
 # Ours: in a smaller group one person moves a rate by 25 points or more.
 MIN_GROUP = 5
+# Of more answers than this, more than two groups are compared by Pearson's test, which is then as good; scipy's random
+# tables fail for more than `DRAWS` times the number of cells.
+_MOST_SHUFFLED = 10_000
 _SHUFFLED_PARTICIPANTS = 20_000_000  # in all draws together: a few seconds
 
 
@@ -56,7 +59,8 @@ class RatesDiffer:
     Attributes:
         levels: the groups.
         hits, n: right answers and answers of each.
-        p: Fisher's exact test; for more than two groups with answers, Fisher, Freeman and Halton's from `DRAWS` tables.
+        p: Fisher's exact test; for more than two groups with answers, Fisher, Freeman and Halton's from `DRAWS` tables,
+            or Pearson's in large studies.
         p_holm: after Holm's correction over the videos.
         pairs: each two groups.
         tiny: groups of fewer than `MIN_GROUP` answers.
@@ -164,5 +168,7 @@ def _fisher(hits: NDArray[np.int64], n: NDArray[np.int64], seed: int) -> float:
         return 1.0
     if table.shape[1] == 2:
         return float(fisher_exact(table).pvalue)
+    if table.sum() > _MOST_SHUFFLED:
+        return float(chi2_contingency(table).pvalue)
     method = MonteCarloMethod(n_resamples=DRAWS, rng=np.random.default_rng(seed))
     return float(fisher_exact(table, method=method).pvalue)

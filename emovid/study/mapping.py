@@ -30,6 +30,7 @@ class Mapping:
         groups: the column of each group.
         drop: the values of a column whose participants are left out.
         labels: the labels, or none where they are the six emotions.
+        places: where each key stands, ``"file:line"``.
     """
 
     participant: str = ""
@@ -39,6 +40,7 @@ class Mapping:
     groups: Map[str, str] = field(default_factory=dict)
     drop: Map[str, tuple[str, ...]] = field(default_factory=dict)
     labels: tuple[str, ...] = ()
+    places: Map[tuple[str | int, ...], str] = field(default_factory=dict)
 
 
 def read_mapping(path: Path) -> Mapping:
@@ -103,6 +105,7 @@ def _mapping(values: dict[str, Any], places: _Places) -> Mapping:
             for name, value in _table(values, "drop", places).items()
         },
         labels=_list(values.get("labels", []), ("labels",), places),
+        places=places,
     )
 
 

@@ -22,26 +22,19 @@ def read_rows(text: str, delimiter: str, width: int = 0) -> Iterator[tuple[int, 
     """
     position, line, patience = 0, 1, _PATIENCE
     while position < len(text):
-        end, cells = _row(text, position, delimiter, width, patience > 0)
+        end = text.find("\n", position) + 1 or len(text)
+        row = text[position:end]
+        found = None
+        if patience and row.count('"') % 2:  # a cell may go on below
+            found = _cells(text, position, delimiter)
+            if found[0] <= end or width not in (0, len(without_surplus(found[1], width))):
+                found, patience = None, patience - 1
+        end, cells = found or (end, _cells(row, 0, delimiter)[1])
         if any(cell.strip() for cell in cells):
             width = width or len(cells)
-            patience -= len(cells) != width
             yield line, cells
         line += text.count("\n", position, end)
         position = end
-
-
-def _row(text: str, start: int, delimiter: str, width: int, patient: bool) -> tuple[int, list[str]]:
-    """Return the place after the row and its cells."""
-    stop = text.find("\n", start) + 1 or len(text)
-    line = text[start:stop]
-    if '"' not in line:
-        return stop, line.rstrip("\n").split(delimiter)
-    if patient:
-        end, cells = _cells(text, start, delimiter)
-        if not width or len(without_surplus(cells, width)) == width:
-            return end, cells
-    return stop, _cells(line, 0, delimiter)[1]
 
 
 def without_surplus(cells: list[str], width: int) -> list[str]:

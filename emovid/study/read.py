@@ -57,7 +57,9 @@ def read_responses(
         first = skipped[0] if skipped else Rejected(", ".join(map(str, paths)), 0, "", "", "no file here")
         raise StudyError(first.file, f"{first.reason}; expected an export of a survey" if not skipped else first.reason)
     _check_columns(known.mapping, files)
-    return _responses(files, known, skipped)
+    found = _responses(files, known, skipped)
+    _check_groups(known, list(found.participants.columns))
+    return found
 
 
 def known_from(
@@ -68,7 +70,8 @@ def known_from(
     try:
         meant = Labels(labels or said.labels or EMOTIONS, said.answers)
     except StudyError as error:
-        raise StudyError(str(mapping or "--labels"), error.message, 0, error.cell or error.file) from None
+        path = ("answers", error.cell) if error.cell else ("labels",)
+        raise StudyError(said.places.get(path, "--labels"), error.message, 0, ".".join(path)) from None
     return Known(meant, read_key(key, meant) if key else {}, said, tuple(groups))
 
 
@@ -186,7 +189,17 @@ def _check_columns(said: Mapping, files: Sequence[_Read]) -> None:
     """Refuse a map whose columns no file has."""
     names = [name for file in files for name in file.names]
     spelled = {plain(name) for name in names}
-    for key, columns in (("groups", said.groups.values()), ("drop", said.drop)):
-        for name in columns:
-            if plain(name) not in spelled:
-                raise StudyError("map", f"no file has this column{nearest(name, names)}", 0, f"{key}: {name}")
+    paths = [(("groups", group), title) for group, title in said.groups.items()]
+    paths += [(("drop", title), title) for title in said.drop]
+    for path, title in paths:
+        if plain(title) not in spelled:
+            message = f"no file has the column {quoted(title)}{nearest(title, names)}; expected one that is there"
+            raise StudyError(said.places[path], message, 0, ".".join(path))
+
+
+def _check_groups(known: Known, found: Sequence[str]) -> None:
+    """Refuse groups that are asked for and that no file has."""
+    for name in known.groups:
+        if name not in found:
+            message = f"no file has this group{nearest(name, found)}; expected {', '.join(found) or 'a column of it'}"
+            raise StudyError("--by", message, 0, name)

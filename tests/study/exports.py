@@ -84,7 +84,7 @@ def generic_wide() -> Export:
     rows = wide(["id", "Grüße"], lambda _, p: [p, "né"], [f"video {c}" for c in CODES], ADJECTIVES.get)
     rows[0] += [f"{c}_rt" for c in CODES] + [f"{c}_position" for c in CODES]
     for p, row in zip(PEOPLE, rows[1:], strict=True):
-        row += [str(1000 + j) for j in range(6)] + [str(ORDER[p].index(c) + 1) for c in CODES]
+        row.extend([str(1000 + j) for j in range(6)] + [str(ORDER[p].index(c) + 1) for c in CODES])
     return Export({"wide.csv": table(rows, delimiter="\t").encode("cp1252")}, "wide table", positions=True)
 
 

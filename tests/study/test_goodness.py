@@ -1,3 +1,4 @@
+import math
 from itertools import product
 from math import factorial, prod
 
@@ -149,3 +150,14 @@ def test_residuals_of_empty_margins() -> None:
     assert np.isnan(residuals[:, 2]).all()
     assert residuals[0, 0] == pytest.approx(1 / np.sqrt(0.5))  # (3 - 2) / sqrt(2 * 1/2 * 1/2)
     assert np.isnan(adjusted_residuals(np.zeros((2, 2), dtype=np.int64))).all()
+
+
+def test_the_example_of_r_s_manual() -> None:
+    # help(chisq.test): x <- c(A = 20, B = 15, C = 25); chisq.test(x) gives X-squared = 2.5, df = 2, p-value = 0.2865.
+    found = goodness_of_fit(np.array([20, 15, 25]))
+    assert (found.statistic, found.dof, round(found.p, 4)) == (2.5, 2, 0.2865)
+    # Simulated p-values of the same call estimate this sum over all outcomes at least as far from equal shares.
+    outcomes = [(a, b, 60 - a - b) for a in range(61) for b in range(61 - a)]
+    log_p = [math.lgamma(61) - sum(math.lgamma(c + 1) for c in o) - 60 * math.log(3) for o in outcomes]
+    beyond = sum(math.exp(p) for o, p in zip(outcomes, log_p, strict=True) if sum(c * c for c in o) >= 1250)
+    assert found.p_exact == pytest.approx(beyond, rel=1e-9)

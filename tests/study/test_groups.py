@@ -185,3 +185,13 @@ def test_more_people_narrow_the_bound() -> None:
     bounds = [rate_pair(("a", "b"), (n // 2, n // 2), (n, n)).bound for n in (10, 40, 160, 640)]
     assert bounds == sorted(bounds, reverse=True)
     assert bounds[-1] == pytest.approx(norm.ppf(0.95) * np.sqrt(0.5 / 640), rel=0.01)
+
+
+def test_three_groups_of_very_many_people() -> None:
+    rng = np.random.default_rng(0)
+    choices = rng.integers(0, 6, (60_000, 6))
+    group = rng.choice(["a", "b", "c"], 60_000).tolist()
+    choices[:, 0] = np.where((np.array(group) == "a") & (rng.random(60_000) < 0.05), 0, choices[:, 0])
+    p = [test.p for test in rates_differ(choices, group)]
+    assert p[0] < 1e-6
+    assert all(0 < other <= 1 for other in p[1:])

@@ -58,7 +58,7 @@ def read_long(table: Table, known: Known) -> Raw:
     assert video is not None  # it was recognised by them
     assert answer is not None
     place = column(table, *POSITION)
-    roles = {video: "video", answer: "answer", people.place: "participant", place: "position"}
+    roles = {video: "video", answer: "answer", people.place: "participant", place: "order"}
     return Raw(
         answers_long(table, people.ids, video, answer, None if place is None else table.cells[place]),
         groups_of(table, known, people.ids, roles),

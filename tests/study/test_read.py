@@ -1,0 +1,298 @@
+from pathlib import Path
+
+import pytest
+from exports import CODES, COUNTS, EMOTIONS, KEY, own, psychopy
+
+from emovid.errors import InputError
+from emovid.study.describe import describe_columns
+from emovid.study.errors import StudyError
+from emovid.study.read import read_responses
+
+HEAD = "participant,video,response,gender\n"
+SIX = "happiness, surprise, anger, fear, disgust, sadness"
+
+
+@pytest.fixture
+def read(tmp_path):
+    """Read text as an export, with the text of a key and of a map."""
+
+    def read(text: str | bytes, key: str = "", mapping: str = "", name: str = "x.csv", **how):
+        for file, content in ((name, text), ("key.txt", key), ("map.yaml", mapping)):
+            (tmp_path / file).write_bytes(content if isinstance(content, bytes) else content.encode())
+        given = {"key": tmp_path / "key.txt" if key else None, "mapping": tmp_path / "map.yaml" if mapping else None}
+        return read_responses(tmp_path / name, **given, **how)
+
+    return read
+
+
+@pytest.fixture
+def refusal(read, tmp_path):
+    """Return the message of the refusal, without the folder."""
+
+    def refusal(*given, **how) -> str:
+        with pytest.raises(StudyError) as error:
+            read(*given, **how)
+        assert isinstance(error.value, InputError)
+        return str(error.value).replace(f"{tmp_path}/", "")
+
+    return refusal
+
+
+def reasons(found) -> list[tuple[int, str, str, str]]:
+    return [(row.row, row.cell, row.value, row.reason) for row in found.rejected]
+
+
+def test_codes_that_name_emotions_need_no_key(read) -> None:
+    found = read(HEAD + "a,videos/Anger.mp4,angry,f\na,video_fear,Sad,f\nb,happiness 1,happy,m\n")
+    assert found.answers["signalled"].tolist() == ["anger", "fear", "happiness"]
+    assert found.answers["perceived"].tolist() == ["anger", "sadness", "happiness"]
+    assert found.answers["video"].tolist() == ["anger", "video_fear", "happiness 1"]
+    assert found.participants["gender"].to_dict() == {"a": "f", "b": "m"}
+    assert found.sources[0].dialect == "long table"
+    assert found.sources[0].participants == 2
+    assert len(found.sources[0].sha256) == 64
+
+
+def test_columns_that_name_emotions_need_no_key_either(read) -> None:
+    found = read("id,age,Anger,Fear,fear of robots\n1,20,angry,sad,4\n2,30,fear,fear,2\n")
+    assert found.answers["signalled"].tolist() == ["anger", "anger", "fear", "fear"]
+    assert found.participants["age"].tolist() == ["20", "30"]
+
+
+def test_a_file_that_says_what_is_signalled_needs_no_key(read) -> None:
+    found = read("participant,video,true_emotion,response\n1,z8,anger,fear\n2,z8,anger,angry\n")
+    assert found.answers[["video", "signalled"]].to_numpy().tolist() == [["z8", "anger"]] * 2
+
+
+def test_each_answer_that_does_not_count_has_its_row_and_reason(read) -> None:
+    rows = ["a,z8r4,happy,f", "a,z8r4,sad,f", "a,nope,sad,f", "a,k2m9,meh,f", "b,z8r4,,m", ",k2m9,fear,", "b,,fear,m"]
+    found = read(HEAD + "\n".join([*rows, "b,k2m9", "b,k2m9,fear,m"]) + "\n", KEY)
+    assert reasons(found) == [
+        (3, "response", "sad", "answered twice: the first counts"),
+        (4, "response", "nope", f"unknown video; expected {', '.join(CODES)}"),
+        (5, "response", "meh", f"no label; expected {SIX}"),
+        (6, "response", "", "no answer"),
+        (7, "response", "fear", "no participant"),
+        (8, "response", "fear", "no video"),
+        (9, "", "b | k2m9", "ragged row: 2 cells where the header has 4"),
+    ]
+    assert found.answers[["participant", "perceived"]].to_numpy().tolist() == [["a", "happiness"], ["b", "fear"]]
+
+
+def test_an_answer_that_is_refused_does_not_use_up_the_video(read) -> None:
+    found = read(HEAD + "a,anger,,f\na,anger,meh,f\na,anger,fear,f\n")
+    assert found.answers["perceived"].tolist() == ["fear"]
+    assert [row.row for row in found.rejected] == [2, 3]
+
+
+def test_none_of_these_is_a_row_of_its_own(read) -> None:
+    found = read(HEAD + "a,anger,none of these,f\nb,anger,angry,m\n")
+    assert found.labels == (*EMOTIONS, "none")
+    assert found.signalled == EMOTIONS
+    assert found.counts()[[2, 6], 2].tolist() == [1, 1]
+    assert read(HEAD + "b,anger,angry,m\n").labels == EMOTIONS
+    assert read(HEAD + "b,anger,angry,m\n", labels=["anger", "fear", "none"]).labels == ("anger", "fear", "none")
+
+
+def test_labels_of_the_map_and_of_the_caller(read) -> None:
+    text = HEAD + "a,calm,Calm,f\na,tense,calm,f\n"
+    assert read(text, mapping="labels: [calm, tense]\n").counts().tolist() == [[1, 1], [0, 0]]
+    assert read(text, mapping="labels: [joy, fear]\n", labels=["tense", "calm"]).signalled == ("tense", "calm")
+
+
+def test_the_map_says_participants_videos_answers_groups_and_whom_to_drop(read) -> None:
+    mapping = """
+participant: Wer
+videos: {Frage 1: z8r4, Frage 2: k2m9}
+answers: {Freude: happiness, 2: surprise, x: }
+groups: {gender: Geschlecht}
+drop: {Geschlecht: [roboter, 7]}
+"""
+    text = "Wer;Frage 1;Frage 2;Geschlecht\nu;Freude;2.0;w\nv;x;Freude;m\nw;2;2;7\n"
+    found = read(text, KEY, mapping)
+    assert found.answers[["participant", "video", "perceived"]].to_numpy().tolist() == [
+        ["u", "z8r4", "happiness"],
+        ["u", "k2m9", "surprise"],
+        ["v", "k2m9", "happiness"],
+    ]
+    assert found.participants["gender"].tolist() == ["w", "m"]
+    assert found.dropped == {"Geschlecht = 7": 1}
+    assert reasons(found) == [(3, "Frage 1", "x", "no answer")]
+
+
+def test_a_participant_without_a_usable_answer_is_counted(read) -> None:
+    found = read(HEAD + "a,anger,angry,f\nb,anger,meh,m\n")
+    assert found.participants.index.tolist() == ["a"]
+    assert found.dropped == {"no usable answer": 1}
+
+
+def test_formulas_in_cells_are_data(read) -> None:
+    found = read(HEAD + '=1+1,anger,angry,"=HYPERLINK(""x"")"\nb,anger,=fear,m\n')
+    assert found.participants["gender"].to_dict() == {"=1+1": '=HYPERLINK("x")', "b": "m"}
+    assert found.answers["perceived"].tolist() == ["anger", "fear"]
+
+
+def test_rows_without_a_participant_column_are_a_participant_each(read, tmp_path) -> None:
+    text = "Anger,Fear\nangry,fear\nsad,fear\n"
+    assert read(text).participants.index.tolist() == ["1", "2"]
+    read(text, name="y.csv")
+    found = read_responses([tmp_path / "x.csv", tmp_path / "y.csv"])
+    assert found.participants.index.tolist() == ["x:1", "x:2", "y:1", "y:2"]
+
+
+def test_a_group_that_is_asked_for_is_found_by_name_or_by_question(read) -> None:
+    text = "id,Do you have a robotics background?,Anger,Fear\n1,yes,angry,fear\n2,no,sad,fear\n"
+    assert read(text, groups=["robotics_background"]).participants["robotics_background"].tolist() == ["yes", "no"]
+
+
+def test_in_a_folder_files_that_are_no_export_are_named_and_skipped(tmp_path) -> None:
+    folder = tmp_path / "exports"
+    folder.mkdir()
+    for name, data in (own().files | {"notes.txt": b"call Ada\n", "empty.csv": b"", "x.xlsx": b"PK\x03\x04"}).items():
+        (folder / name).write_bytes(data)
+    (folder / "key.csv").write_text(KEY)
+    found = read_responses(folder, folder / "key.csv")
+    assert found.counts().tolist() == COUNTS
+    assert [(Path(row.file).name, row.row) for row in found.rejected] == [
+        ("empty.csv", 0), ("notes.txt", 0), ("x.xlsx", 0),
+    ]  # fmt: skip
+    assert found.rejected[2].reason == "a spreadsheet or a zip archive; expected text: save or export it as CSV"
+
+
+def test_files_of_one_participant_each_add_up(tmp_path) -> None:
+    export = psychopy()
+    for name, data in export.files.items():
+        (tmp_path / name).write_bytes(data)
+    (tmp_path / "key.csv").write_text(KEY)
+    (tmp_path / "map.yaml").write_text(export.map)
+    found = read_responses(sorted(tmp_path.glob("P*")), tmp_path / "key.csv", tmp_path / "map.yaml")
+    assert [source.participants for source in found.sources] == [1] * 8
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (b"", "x.csv: empty; expected a header and a row for each participant or answer"),
+        (HEAD, "x.csv: 1: a header alone; expected a row for each participant or answer"),
+        (HEAD + "a,b\n", "x.csv: 1: ragged row: 2 cells where the header has 4; expected a row for each participant or answer"),
+        (HEAD + "a,anger,1,f\nb,anger,2,f\n",
+         f"x.csv: 2: response: '1' no label; expected {SIX} (2 cells or rows rejected); see emovid study columns"),
+        (HEAD + "a,z8,fear,f\n",
+         "x.csv: 2: response: 'z8' unknown video; expected an emotion, or a key; see emovid study columns"),
+        ("participant,video,response,status\na,anger,angry,test\n",
+         "x.csv: no participant is left (1 test run); expected answers"),
+        ("Timestamp,Which?,Which?\n1/2/2026 9:00,angry,sad\n",
+         "x.csv: 1: 2 columns ask one question ('Which?' ...), none named by an emotion; expected a key, or map.yaml: videos"),
+        ("id,Anger,my anger\n1,sad,angry\n",
+         "x.csv: 1: columns 'Anger' and 'my anger' both name the video anger; expected one: say which in map.yaml: videos"),
+        ('[{"a":', "x.csv: no JSON; expected a list of trials"),
+        ("[1, 2]", "x.csv: no list of trials; expected one as jsPsych writes it"),
+        ('"V1","V2"\n"ResponseID","x"\n', "x.csv: 1: headers alone; expected a row for each response"),
+        ("trial_type,trial_index,stimulus,response\nvideo-button-response,0,anger.mp4,0\nvideo-button-response,0,fear.mp4,1\n",
+         "x.csv: 1: no column tells its participants apart; expected map.yaml: participant"),
+    ],
+)  # fmt: skip
+def test_a_file_that_cannot_be_understood_is_refused_in_one_line(refusal, text, message) -> None:
+    assert refusal(text) == message
+
+
+def test_an_unknown_file_is_told_what_was_looked_for(refusal) -> None:
+    message = refusal("name,town\nAda,London\n")
+    assert message.startswith(
+        "x.csv: 1: no export known here: columns 'name', 'town'; looked for the headers of Qualtr"
+    )
+    assert message.endswith("expected one of them, a key, or map.yaml: videos and answers")
+    assert "\n" not in message
+
+
+KEYS = [
+    ("code;emotion\n", "key.txt: a header alone; expected a row for each video"),
+    ("video,x\nz,anger\n", "key.txt: 1: no column true_emotion; expected video_code,true_emotion"),
+    ("video_cod,true_emotion\nz,anger\n",
+     "key.txt: 1: no column video_code (did you mean video_cod?); expected video_code,true_emotion"),
+    ("video_code,true_emotion\nz,anger\nZ.mp4,fear\n",
+     "key.txt: 3: video_code: 'Z.mp4' stands twice; expected a code for each video"),
+    ("video_code,true_emotion\n,anger\n", "key.txt: 2: video_code: empty; expected a code for each video"),
+    ("video_code,true_emotion\nz,angr\n",
+     f"key.txt: 2: true_emotion: 'angr' is no emotion (did you mean anger?); expected {SIX}"),
+    ("video_code,true_emotion\nz\n", "key.txt: 2: ragged row: 1 cells where the header has 2; expected 2"),
+    ("video_code,true_emotion\nz,none\n", f"key.txt: 2: true_emotion: 'none' is no emotion; expected {SIX}"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("key", "message"), KEYS)
+def test_a_key_that_cannot_be_meant(refusal, key, message) -> None:
+    assert refusal(HEAD + "a,anger,angry,f\n", key) == message
+
+
+MAPS = [
+    (" \n", "map.yaml: empty; expected some of participant, videos, answers, groups, drop, labels"),
+    ("- a\n", "map.yaml: no map; expected some of participant, videos, answers, groups, drop, labels"),
+    ("\nparticipnt: a\n", "map.yaml:2: participnt: unknown key (did you mean participant?); "
+     "expected participant, videos, answers, groups, drop, labels"),
+    ("videos: 3\n", "map.yaml:1: videos: '3' given; expected column: code, or a list of codes"),
+    ("videos: [[a]]\n", """map.yaml:1: videos.0: "['a']" given; expected a word""".replace('"', "'")),
+    ("answers:\n  1: {a: b}\n", "map.yaml:2: answers.1: '{'a': 'b'}' given; expected a word"),
+    ("labels: joy\n", "map.yaml:1: labels: 'joy' given; expected a list"),
+    ("labels: [joy]\n", "map.yaml:1: labels: 1 given; expected 2 to 12"),
+    ("answers: {1: x}\n", f"map.yaml:1: answers.1: 'x' is no label; expected {SIX} or none"),
+    ("participant: [\n", "map.yaml:2: not YAML: expected the node content, but found '<stream end>'"),
+    ("participant: persn\n",
+     "x.csv: 1: persn: no such column (did you mean person?); expected those of the map's participant"),
+    ("videos: {Videos: z8r4}\n",
+     "x.csv: 1: Videos: no such column (did you mean video?); expected those of the map's videos"),
+    ("videos: [z8r4, k2m9]\n", "x.csv: 1: videos: 1 columns hold answers; the map lists 2 codes"),
+    ("groups: {g: gendr}\n", "map.yaml:1: groups.g: no file has the column 'gendr' (did you mean gender?); expected one that is there"),
+    ("drop: {stat: x}\n", "map.yaml:1: drop.stat: no file has the column 'stat'; expected one that is there"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("mapping", "message"), MAPS)
+def test_a_map_that_cannot_be_meant(refusal, mapping, message) -> None:
+    assert refusal("person,video,response,gender\na,m1,angry,f\n", "", mapping) == message
+
+
+def test_a_group_that_changes_within_a_participant_is_none(refusal) -> None:
+    message = refusal(HEAD + "a,anger,angry,f\na,fear,fear,m\n", groups=["gender"])
+    assert message == "x.csv: 1: gender: changes within a participant; expected one value: it is no group"
+
+
+def test_a_group_that_no_file_has_is_refused(refusal) -> None:
+    message = refusal(HEAD + "a,anger,angry,f\n", groups=["gendre"])
+    assert message == "--by: gendre: no file has this group (did you mean gender?); expected gender"
+
+
+def test_files_that_are_not_there(tmp_path) -> None:
+    with pytest.raises(StudyError, match=r"no\.csv: cannot be read: no such file"):
+        read_responses(tmp_path / "no.csv")
+    with pytest.raises(StudyError, match="no file here"):
+        read_responses(tmp_path)
+
+
+def test_columns_are_described_and_a_map_is_offered(tmp_path) -> None:
+    file = tmp_path / "x.csv"
+    file.write_text(
+        "Timestamp,Who are you?,Which?,Which?2\n1/2/2026 9:00,Ada,angry,traurig\n1/3/2026 9:00,Bob,sad,fear\n"
+    )
+    found = describe_columns(file)
+    assert found.dialect == "Google Forms"
+    assert "2 columns ask one question" in found.problem
+    assert [(c.name, c.role) for c in found.columns] == [
+        ("Timestamp", ""), ("Who are you?", ""), ("Which?", "answer?"), ("Which?2", "answer?"),
+    ]  # fmt: skip
+    assert found.columns[3].examples == ("traurig", "fear")
+    edited = found.map_yaml.replace("Which?: ''", "Which?: anger").replace("Which?2: ''", "Which?2: fear")
+    (tmp_path / "map.yaml").write_text(edited.replace("traurig:", "traurig: sadness"))
+    read = read_responses(file, mapping=tmp_path / "map.yaml")
+    assert read.answers["perceived"].tolist() == ["anger", "sadness", "sadness", "fear"]
+
+
+def test_what_a_readable_export_was_taken_as(tmp_path) -> None:
+    (tmp_path / "own.csv").write_bytes(own().files["own.csv"])
+    (tmp_path / "key.csv").write_text(KEY)
+    found = describe_columns(tmp_path / "own.csv", tmp_path / "key.csv")
+    assert (found.dialect, found.problem) == ("emovid survey", "")
+    assert [column.role for column in found.columns] == ["participant", "video", "order", "answer", "group", ""]
+    (tmp_path / "map.yaml").write_text(found.map_yaml)
+    again = read_responses(tmp_path / "own.csv", tmp_path / "key.csv", tmp_path / "map.yaml")
+    assert again.counts().tolist() == COUNTS
