@@ -142,15 +142,23 @@ def _figures(results: Mapping[str, Any]) -> "dict[str, tuple[str, Figure]]":
         caption = "Answers on the valence-arousal plane; a bubble's diameter is proportional to the answers"
         made["circumplex"] = (caption, circumplex_figure(counts, signalled, labels))
     for column, levels in results["groups"].items():
+        if not levels:
+            continue
         tables = [
             [[_or_nan(block["recognition"][name][key]) for name in signalled] for block in levels.values()]
             for key in ("rate", "ci_low", "ci_high")
         ]
-        names = [f"{level} (n = {block['n_participants']})" for level, block in levels.items()]
+        names = [f"{_level_name(column, level)} (n = {block['n_participants']})" for level, block in levels.items()]
         rate, low, high = map(np.array, tables)
         figure = accuracy_figure(rate, low, high, signalled, names, 1 / len(labels))
         made[f"accuracy-{column.replace('_', '-')}"] = (f"Recognition by {column.replace('_', ' ')}", figure)
     return made
+
+
+def _level_name(column: str, level: str) -> str:
+    """Return what a legend calls a level: "no robotics background" where the level itself is only "no"."""
+    name = column.replace("_", " ")
+    return {"yes": name, "no": f"no {name}"}.get(level.lower(), level)
 
 
 def _or_nan(value: float | None) -> float:

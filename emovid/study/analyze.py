@@ -106,6 +106,7 @@ def _block(counts: Counts, signalled: Sequence[str], seed: int) -> Block:
 def _groups(responses: Responses, column: str, seed: int) -> Block:
     """Return a block for each level of a group column."""
     levels = responses.participants[column].dropna()
+    levels = levels[levels != ""]
     blocks = {}
     for level in sorted(levels.unique()):
         members = levels.index[levels == level]

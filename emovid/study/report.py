@@ -27,6 +27,8 @@ figcaption { font-size: .85rem; color: #555; max-width: 24rem; }
 @media print { body { margin: 0; max-width: none; } h2 { break-after: avoid; } table, figure { break-inside: avoid; } }
 """
 
+_STANDS_OUT = 1.96  # of a standard normal: two-sided 5 %
+
 _DEPENDENCE = (
     ("total_recognition", "All answers against those that each participant would give at random"),
     ("cochran_q", "Cochran’s Q: do videos differ in recognition?"),
@@ -130,9 +132,21 @@ def _videos(results: Block) -> str:
 def _whole(results: Block) -> str:
     rows = [[what, results["dependence"][key]["apa"]] for key, what in _DEPENDENCE if results["dependence"].get(key)]
     rows.append(["Do confusions fall on near neighbours of the circumplex?", results["near_neighbours"]["apa"]])
+    rows.append([f"Answers that stand out (adjusted residual beyond {_STANDS_OUT})", _residuals(results) or "none"])
     for pole, found in results["collapsed"].items():
         rows += [[f"Right {pole} of {name}", test["apa"]] for name, test in found["videos"].items()]
     return f"<div class=said>{_table(['What', 'Result'], rows)}</div>"
+
+
+def _residuals(results: Block) -> str:
+    """Return the wrong answers that were given more often than rows and columns alone would have it."""
+    found = [
+        (residual, f"{name} as {label} ({residual:.1f})")
+        for label, row in zip(results["labels"], results["adjusted_residuals"], strict=True)
+        for name, residual in zip(results["emotions"], row, strict=True)
+        if label != name and residual is not None and residual > _STANDS_OUT
+    ]
+    return ", ".join(words for _, words in sorted(found, reverse=True))
 
 
 def _group(column: str, levels: Block, found: Block) -> str:

@@ -106,7 +106,7 @@ def reconstruct() -> Iterator[tuple[str, ...]]:
     for person in range(len(answers[0])):
         levels = [str(group[person]) for group in groups.values()]
         for video, given in zip(emotions, answers, strict=True):
-            yield (f"r{person + 1:02}", video, emotions[given[person]], *levels)
+            yield (f"reconstructed-{person + 1:02}", video, emotions[given[person]], *levels)
 
 
 def main(target: Path) -> None:
