@@ -6,8 +6,8 @@ from typing import Any, Literal, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from emovid.errors import SceneError, nearest
+from emovid.places import KeyPath, Places, key_path, place_of
 from emovid.scene.model import Scene
-from emovid.scene.places import KeyPath, Places, key_path, place_of
 
 _BOUNDS = {
     "greater_than": ("gt", "more than"),

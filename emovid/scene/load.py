@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 import yaml
 from pydantic import ValidationError
 
+from emovid import yaml_text
 from emovid.errors import SceneError, nearest
-from emovid.scene import yaml_text
+from emovid.places import KeyPath, key_path
 from emovid.scene.complaints import complaint
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.model import Scene
-from emovid.scene.places import KeyPath, key_path
 from emovid.whole_files import reason
 
 MAX_BYTES = 32_000_000  # a scene that lists the poses of 100 000 robots has 5 MB

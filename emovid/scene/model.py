@@ -11,6 +11,7 @@ from pydantic import Field, PrivateAttr, model_validator
 from pydantic_core import PydanticCustomError
 
 from emovid.errors import SceneError
+from emovid.places import Places, key_path, place_of
 from emovid.scene.behaviour import (
     Behaviour,
     Boundary,
@@ -23,7 +24,6 @@ from emovid.scene.behaviour import (
 )
 from emovid.scene.emotions import EmotionName
 from emovid.scene.fields import MAX_DURATION, MAX_ROBOTS, Keys, Length
-from emovid.scene.places import Places, key_path, place_of
 from emovid.scene.robots import MIN_L, Limits, Robot
 from emovid.scene.start import AtPoses, AtRandom, InRegion, OnContour, Region, Start
 from emovid.scene.video import MAX_SIDE, MIN_SIDE, Video

@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from emovid.study.dialects.columns import code_in, column, holds_answers
+from emovid.study.dialects.columns import column, holds_answers
 from emovid.study.dialects.people import PARTICIPANT
 from emovid.study.dialects.raw import Known, Raw
 from emovid.study.dialects.registry import dialect_of
+from emovid.study.dialects.videos import code_in
 from emovid.study.errors import StudyError, quoted
 from emovid.study.labels import number
 from emovid.study.mapping import map_text

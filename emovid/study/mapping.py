@@ -9,10 +9,10 @@ from typing import Any
 import yaml
 
 from emovid.errors import SceneError, nearest
-from emovid.scene.yaml_text import read_yaml
 from emovid.study.errors import StudyError, quoted
 from emovid.study.key import code_of, read_bytes
 from emovid.study.tables import utf8
+from emovid.yaml_text import read_yaml
 
 KEYS = ("participant", "videos", "answers", "groups", "drop", "labels")
 _Places = Map[tuple[str | int, ...], str]

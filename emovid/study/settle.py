@@ -80,6 +80,8 @@ def _rejected(
     for file, line, cell, video, answer, reason in given:
         about = {"unknown video": (video, f"unknown video; {videos}"), "no label": (answer, f"no label; {labels}")}
         value, why = about.get(reason, (answer, reason))
+        if reason == "no label" and any(mark.isdigit() for mark in answer):  # a choice's number or code
+            why += "; map.yaml: answers can say what it means"
         rejected.append(Rejected(files[file], int(line), str(cell), str(value), why))
     return rejected
 

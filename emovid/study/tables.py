@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 from emovid.study.errors import StudyError
 from emovid.study.quotes import read_rows, without_surplus
 from emovid.study.responses import Rejected
+from emovid.study.rows import Rows, rows_of, sniff
 
-DELIMITERS = (",", ";", "\t")
-_SAMPLE = 100_000  # bytes that tell the delimiter
 _MOST_COLUMNS = 20_000
 _NO_TEXT = {b"PK\x03\x04": "a spreadsheet or a zip archive", b"%PDF": "a PDF", b"\x1f\x8b": "a gzip archive"}
 
@@ -75,7 +74,7 @@ def read_table(data: bytes, file: str) -> Table:
     delimiter = stated[1].decode("latin-1") if stated else sniff(text)
     if not text.strip(delimiter.encode() + b' "\t\n'):
         raise StudyError(file, "empty but for delimiters; expected a header and rows")
-    rows = _rows_of(text, delimiter)
+    rows = rows_of(text, delimiter)
     return _careful(text, delimiter, file, above) if rows is None else _fast(text, delimiter, file, above, rows)
 
 
@@ -112,25 +111,6 @@ def utf8(data: bytes, file: str) -> bytes:
     return data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
 
 
-def sniff(text: bytes) -> str:
-    """Return the delimiter that cuts most of the first rows into as many cells as the header."""
-    sample = text[:_SAMPLE]
-    if len(text) > _SAMPLE:
-        sample = sample[: sample.rfind(b"\n") + 1] or sample
-    return max(DELIMITERS, key=lambda delimiter: _agreement(sample, delimiter))
-
-
-def _agreement(sample: bytes, delimiter: str) -> tuple[float, int]:
-    rows = _rows_of(sample, delimiter)
-    if rows is not None:
-        widths = rows.widths[rows.stops > rows.starts].tolist()
-    else:
-        widths = [line.count(delimiter.encode()) + 1 for line in sample.split(b"\n") if line.strip()]
-    if not widths or widths[0] == 1:
-        return 0.0, 0
-    return widths.count(widths[0]) / len(widths), widths[0]
-
-
 def _cp1252(error: UnicodeError) -> tuple[str, int]:
     assert isinstance(error, UnicodeDecodeError)
     wrong = error.object[error.start : error.end]
@@ -141,44 +121,7 @@ _BYTES = [bytes([byte]).decode("cp1252", errors="ignore") or "\ufffd" for byte i
 codecs.register_error("emovid-cp1252", _cp1252)
 
 
-@dataclass(frozen=True, eq=False)
-class _Rows:
-    """Where the rows of a text are: from `starts` to before `stops`, with `widths` cells, on `lines` from 1."""
-
-    starts: NDArray[np.int64]
-    stops: NDArray[np.int64]
-    widths: NDArray[np.int64]
-    lines: NDArray[np.int64]
-
-
-def _rows_of(text: bytes, delimiter: str) -> _Rows | None:
-    """Return the rows, or None where a quote stands within a cell, alone or not doubled."""
-    marks = np.frombuffer(text, dtype=np.uint8)
-    newline, cut = marks == ord("\n"), marks == ord(delimiter)
-    all_newlines = np.flatnonzero(newline)
-    quote = marks == ord('"')
-    if quote.any():
-        inside = np.logical_xor.accumulate(quote)
-        if inside[-1] or not _paired(quote, inside, newline | cut | quote):
-            return None
-        newline, cut = newline & ~inside, cut & ~inside
-    stops = np.flatnonzero(newline)
-    if not newline[-1]:
-        stops = np.append(stops, len(marks))
-    starts = np.concatenate([[0], stops[:-1] + 1])
-    cuts = np.searchsorted(np.flatnonzero(cut), np.column_stack([starts, stops]))
-    return _Rows(starts, stops, cuts[:, 1] - cuts[:, 0] + 1, np.searchsorted(all_newlines, starts) + 1)
-
-
-def _paired(quote: NDArray[np.bool_], inside: NDArray[np.bool_], border: NDArray[np.bool_]) -> bool:
-    """Return whether each quote that opens has a border (delimiter, newline, quote) before it, each other one after."""
-    edge = np.ones(1, dtype=bool)
-    opens_within = quote & inside & ~np.concatenate([edge, border[:-1]])
-    closes_within = quote & ~inside & ~np.concatenate([border[1:], edge])
-    return not (opens_within.any() or closes_within.any())
-
-
-def _fast(text: bytes, delimiter: str, file: str, above: int, rows: _Rows) -> Table:
+def _fast(text: bytes, delimiter: str, file: str, above: int, rows: Rows) -> Table:
     filled = np.flatnonzero(rows.stops > rows.starts)
     header = next(i for i in filled if text[rows.starts[i] : rows.stops[i]].strip(delimiter.encode() + b' "\t\n'))
     width = int(rows.widths[header])
@@ -201,9 +144,7 @@ def _fast(text: bytes, delimiter: str, file: str, above: int, rows: _Rows) -> Ta
     return _finished(file, names, frame, lines, rejected)
 
 
-def _parsed(
-    text: bytes, delimiter: str, width: int, rows: _Rows, regular: NDArray[np.bool_], file: str
-) -> pd.DataFrame:
+def _parsed(text: bytes, delimiter: str, width: int, rows: Rows, regular: NDArray[np.bool_], file: str) -> pd.DataFrame:
     if width > _MOST_COLUMNS:
         raise StudyError(file, f"{width} columns; expected a table of at most {_MOST_COLUMNS}")
     if not regular.all():

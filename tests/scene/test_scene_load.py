@@ -13,7 +13,7 @@ from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, find_scene, load_scene, parse_scene, scene_digest, scene_text, shipped_scene
 from emovid.scene.model import Scene
 from emovid.scene.schema import scene_schema
-from emovid.scene.yaml_text import read_yaml
+from emovid.yaml_text import read_yaml
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 DOI = "10.1007/s12369-020-00665-6"

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from emovid.errors import SceneError
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import parse_scene, scene_text
-from emovid.scene.yaml_text import read_value, read_yaml
+from emovid.yaml_text import read_value, read_yaml
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 SHIPPED = {emotion: (CONFIGS / f"{emotion}.yaml").read_text(encoding="utf-8") for emotion in EMOTIONS}

@@ -4,21 +4,11 @@ import math
 import numpy as np
 import pandas as pd
 import pytest
+from known import TABLE_III
 from scipy.stats import binomtest, chisquare
 
 from emovid.study.analyze import analyze, analyze_counts
 from emovid.study.responses import EMOTIONS, Responses
-
-TABLE_III = np.array(
-    [
-        [29, 8, 4, 2, 2, 6],
-        [5, 26, 4, 1, 0, 0],
-        [4, 0, 25, 6, 7, 2],
-        [3, 6, 9, 18, 16, 7],
-        [3, 2, 2, 12, 18, 1],
-        [1, 3, 1, 6, 2, 29],
-    ]
-)
 
 
 def responses(counts: np.ndarray, positions: bool = False) -> Responses:

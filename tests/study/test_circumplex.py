@@ -4,21 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from known import TABLE_III
 
 from emovid.study.circumplex import ANGLES, distances, near_neighbours, positions
 from emovid.study.goodness import DRAWS
 from emovid.study.responses import EMOTIONS
-
-TABLE_III = np.array(
-    [
-        [29, 8, 4, 2, 2, 6],
-        [5, 26, 4, 1, 0, 0],
-        [4, 0, 25, 6, 7, 2],
-        [3, 6, 9, 18, 16, 7],
-        [3, 2, 2, 12, 18, 1],
-        [1, 3, 1, 6, 2, 29],
-    ]
-)
 
 
 def test_emotions_go_round_in_the_order_of_the_paper() -> None:

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from exports import ANSWERS, CODES, COUNTS, EMOTIONS, EXPORTS, GENDER, KEY, ORDER, Export
+from exports import ANSWERS, CODES, COUNTS, EMOTIONS, EXPORTS, GENDER, KEY, ORDER, Export, jspsych, psychopy
 
 from emovid.study.read import read_responses
 from emovid.study.responses import Responses
@@ -55,3 +55,18 @@ def test_an_order_that_no_column_tells_is_missing(make, tmp_path) -> None:
     positions = read(make(), tmp_path).answers["position"]
     assert positions.isna().all()
     assert positions.dtype == pd.Int64Dtype()
+
+
+def test_a_key_that_was_not_pressed_is_no_answer(tmp_path) -> None:
+    export = psychopy()
+    export.files = {name: data.replace(b",1,1.5", b",None,None") for name, data in export.files.items()}
+    found = read(export, tmp_path)
+    assert found.labels == EMOTIONS
+    assert [row.reason for row in found.rejected] == ["no answer"] * sum(COUNTS[0])
+
+
+def test_a_trial_that_ran_out_of_time_is_no_answer(tmp_path) -> None:
+    export = jspsych()
+    export.files = {name: data.replace(b'.mp4""]","0"', b'.mp4""]","null"') for name, data in export.files.items()}
+    found = read(export, tmp_path)
+    assert [row.reason for row in found.rejected] == ["no answer"] * sum(COUNTS[0])

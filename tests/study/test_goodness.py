@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from known import TABLE_III
 from scipy.stats import chisquare
 from statsmodels.stats.contingency_tables import Table
 
@@ -20,17 +21,6 @@ from emovid.study.goodness import (
     partitions,
 )
 
-# The counts behind Table III of the paper, and the statistics derived from them.
-TABLE_III = np.array(
-    [
-        [29, 8, 4, 2, 2, 6],
-        [5, 26, 4, 1, 0, 0],
-        [4, 0, 25, 6, 7, 2],
-        [3, 6, 9, 18, 16, 7],
-        [3, 2, 2, 12, 18, 1],
-        [1, 3, 1, 6, 2, 29],
-    ]
-)
 COUNTS = st.lists(st.integers(0, 12), min_size=2, max_size=7).map(np.array)
 
 

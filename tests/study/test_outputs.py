@@ -5,7 +5,8 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
-from test_analyze import TABLE_III, responses
+from known import TABLE_III
+from test_analyze import responses
 
 from emovid.study.analyze import analyze, analyze_counts
 from emovid.study.errors import StudyError

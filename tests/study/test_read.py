@@ -174,17 +174,21 @@ def test_files_of_one_participant_each_add_up(tmp_path) -> None:
     [
         (b"", "x.csv: empty; expected a header and a row for each participant or answer"),
         (HEAD, "x.csv: 1: a header alone; expected a row for each participant or answer"),
-        (HEAD + "a,b\n", "x.csv: 1: ragged row: 2 cells where the header has 4; expected a row for each participant or answer"),
+        (HEAD + "a,b\n",
+         "x.csv: 1: ragged row: 2 cells where the header has 4; expected a row for each participant or answer"),
         (HEAD + "a,anger,1,f\nb,anger,2,f\n",
-         f"x.csv: 2: response: '1' no label; expected {SIX} (2 cells or rows rejected); see emovid study columns"),
+         f"x.csv: 2: response: '1' no label; expected {SIX}; map.yaml: answers can say what it means (2 cells or rows "
+            "rejected); see emovid study columns"),
         (HEAD + "a,z8,fear,f\n",
          "x.csv: 2: response: 'z8' unknown video; expected an emotion, or a key; see emovid study columns"),
         ("participant,video,response,status\na,anger,angry,test\n",
          "x.csv: no participant is left (1 test run); expected answers"),
         ("Timestamp,Which?,Which?\n1/2/2026 9:00,angry,sad\n",
-         "x.csv: 1: 2 columns ask one question ('Which?' ...), none named by an emotion; expected a key, or map.yaml: videos"),
+         "x.csv: 1: 2 columns ask one question ('Which?' ...), none named by an emotion; expected a key, or map.yaml: "
+         "videos"),
         ("id,Anger,my anger\n1,sad,angry\n",
-         "x.csv: 1: columns 'Anger' and 'my anger' both name the video anger; expected one: say which in map.yaml: videos"),
+         "x.csv: 1: columns 'Anger' and 'my anger' both name the video anger; expected one: say which in map.yaml: "
+         "videos"),
         ('[{"a":', "x.csv: no JSON; expected a list of trials"),
         ("[1, 2]", "x.csv: no list of trials; expected one as jsPsych writes it"),
         ('"V1","V2"\n"ResponseID","x"\n', "x.csv: 1: headers alone; expected a row for each response"),
@@ -242,7 +246,8 @@ MAPS = [
     ("videos: {Videos: z8r4}\n",
      "x.csv: 1: Videos: no such column (did you mean video?); expected those of the map's videos"),
     ("videos: [z8r4, k2m9]\n", "x.csv: 1: videos: 1 columns hold answers; the map lists 2 codes"),
-    ("groups: {g: gendr}\n", "map.yaml:1: groups.g: no file has the column 'gendr' (did you mean gender?); expected one that is there"),
+    ("groups: {g: gendr}\n",
+     "map.yaml:1: groups.g: no file has the column 'gendr' (did you mean gender?); expected one that is there"),
     ("drop: {stat: x}\n", "map.yaml:1: drop.stat: no file has the column 'stat'; expected one that is there"),
 ]  # fmt: skip
 
@@ -250,6 +255,15 @@ MAPS = [
 @pytest.mark.parametrize(("mapping", "message"), MAPS)
 def test_a_map_that_cannot_be_meant(refusal, mapping, message) -> None:
     assert refusal("person,video,response,gender\na,m1,angry,f\n", "", mapping) == message
+
+
+def test_who_is_no_participant_of_the_study_is_dropped_and_counted(read) -> None:
+    head = ["ResponseId,Status,Finished,Progress,RecordedDate,Q_RecaptchaScore,Anger,Fear"]
+    kinds = ["IP Address,True,100", "Spam,True,100", "Survey Test,True,100", "Survey Preview,False,3", "0,1,100"]
+    rows = [f"R{i},{kind},2026,0.9,angry,fear" for i, kind in enumerate(kinds)]
+    found = read("\n".join([*head, *rows, "R9,IP Address,True,100,2026,0.2,angry,fear"]))
+    assert found.participants.index.tolist() == ["R0", "R4"]
+    assert found.dropped == {"preview": 1, "test run": 1, "spam": 1, "bot": 1}
 
 
 def test_a_group_that_changes_within_a_participant_is_none(refusal) -> None:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from known import TABLE_III
 
 from emovid.study.circumplex import positions
 from emovid.study.recognition import (
@@ -20,16 +21,6 @@ from emovid.study.recognition import (
 )
 from emovid.study.responses import EMOTIONS
 
-TABLE_III = np.array(
-    [
-        [29, 8, 4, 2, 2, 6],
-        [5, 26, 4, 1, 0, 0],
-        [4, 0, 25, 6, 7, 2],
-        [3, 6, 9, 18, 16, 7],
-        [3, 2, 2, 12, 18, 1],
-        [1, 3, 1, 6, 2, 29],
-    ]
-)
 MATRIX = st.lists(st.lists(st.integers(0, 9), min_size=4, max_size=4), min_size=4, max_size=5).map(np.array)
 
 

@@ -4,20 +4,10 @@ from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
-from emovid.study.dialects.columns import (
-    POSITION,
-    TRUTH,
-    answer_column,
-    column,
-    holds_answers,
-    no_videos,
-    positions,
-    says,
-    video_column,
-    video_columns,
-)
+from emovid.study.dialects.columns import POSITION, TRUTH, answer_column, column, holds_answers, says, video_column
 from emovid.study.dialects.people import PARTICIPANT, groups_of, who, without
 from emovid.study.dialects.raw import Column, Known, Raw, answers_long, answers_wide
+from emovid.study.dialects.videos import no_videos, positions, video_columns
 from emovid.study.errors import StudyError
 from emovid.study.key import code_of
 from emovid.study.labels import plain

@@ -6,11 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from emovid.study.dialects.columns import below, column, says, video_column, video_columns
+from emovid.study.dialects.columns import below, column, says, video_column
 from emovid.study.dialects.generic import read_wide
 from emovid.study.dialects.people import groups_of, joined, who
 from emovid.study.dialects.raw import Column, Known, Raw
 from emovid.study.dialects.trials import read_trials
+from emovid.study.dialects.videos import video_columns
 from emovid.study.tables import Table
 
 _CODE = "participant.code"

@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import pandas as pd
 
-from emovid.study.dialects.columns import below, code_in, says, video_columns
+from emovid.study.dialects.columns import below, says
 from emovid.study.dialects.generic import read_wide
 from emovid.study.dialects.raw import Column, Known, Raw, whole_numbers
+from emovid.study.dialects.videos import code_in, video_columns
 from emovid.study.errors import StudyError
 from emovid.study.key import code_of
 from emovid.study.tables import Table

@@ -19,8 +19,8 @@ from emovid.study.dialects import (
     revisit,
     surveymonkey,
 )
-from emovid.study.dialects.columns import no_videos
 from emovid.study.dialects.raw import Known, Raw
+from emovid.study.dialects.videos import no_videos
 from emovid.study.errors import StudyError, quoted
 from emovid.study.tables import Table
 

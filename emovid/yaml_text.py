@@ -1,4 +1,4 @@
-"""YAML text to plain values, with the line of every key; and one clear line for text that is no scene.
+"""YAML text to plain values, with the line of every key; and one clear line for text that is none.
 
 PyYAML reads YAML 1.1, where `1e-3` is text, `on` is true and `1:30` is ninety. Scenes are read by the core schema of
 YAML 1.2 instead (yaml.org/spec/1.2.2, section 10.3), which is what people mean. Tags, anchors and aliases are
@@ -12,7 +12,7 @@ from typing import Any, NoReturn
 import yaml
 
 from emovid.errors import SceneError
-from emovid.scene.places import KeyPath
+from emovid.places import KeyPath
 
 _CORE = "tag:yaml.org,2002:"
 _RESOLVERS = (
