@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
     from emovid.study.responses import Responses
 
+_SHOWN = 200  # rejected rows on the terminal; rejected.csv has all
+
 app = typer.Typer(help="Analyse a study, plan one, rehearse one.", no_args_is_help=True)
 
 Key = Annotated[
@@ -183,10 +185,12 @@ def _show(results: Mapping[str, Any], responses: "Responses | None", output: Pat
     if responses is not None:
         for source in responses.sources:
             console.print(f"{source.file}: {source.dialect}, {source.participants} participants")
-        for item in responses.rejected[:20]:
-            console.print(f"{item.file}:{item.row}: {item.cell}: {item.value!r}: {item.reason}")
-        if len(responses.rejected) > 20:
-            console.print(f"... and {len(responses.rejected) - 20} more in rejected.csv")
+        for item in responses.rejected[:_SHOWN]:
+            where = f"{item.file}:{item.row}" if item.row else item.file
+            value = repr(item.value) if item.value else ""
+            console.print(": ".join(part for part in (where, item.cell, value, item.reason) if part))
+        if len(responses.rejected) > _SHOWN:
+            console.print(f"... and {len(responses.rejected) - _SHOWN} more in rejected.csv")
     matrix = Table("response (%)", *results["emotions"], box=box.SIMPLE, title="signaled emotion")
     for label, row in zip(results["labels"], results["percent"], strict=True):
         matrix.add_row(label, *("" if share is None else f"{share:.2f}" for share in row))

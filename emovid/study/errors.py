@@ -14,7 +14,7 @@ class StudyError(InputError):
     """
 
     def __init__(self, file: str, message: str = "", row: int = 0, cell: str = "") -> None:
-        parts = (file, str(row) if row else "", _short(cell), message)
+        parts = (f"{file}:{row}" if row else file, _short(cell), message)
         line = " ".join(": ".join(part for part in parts if part).split())
         super().__init__("".join(mark if mark.isprintable() else "?" for mark in line))
         self.file, self.row, self.cell, self.message = file, row, cell, message

@@ -179,7 +179,7 @@ def _nothing_left(file: str, rejected: Sequence[Rejected], dropped: Counter[str]
         return StudyError(file, f"no participant is left ({counts}); expected answers")
     if not rejected:
         return StudyError(file, "no answer in it; expected some")
-    first = rejected[0]
+    first = next((item for item in rejected if item.row), rejected[0])  # a cell says more than a file passed over
     given = f"{quoted(first.value)} " if first.value else ""
     others = f" ({len(rejected)} cells or rows rejected)" if len(rejected) > 1 else ""
     return StudyError(first.file, f"{given}{first.reason}{others}; see emovid study columns", first.row, first.cell)

@@ -173,27 +173,27 @@ def test_files_of_one_participant_each_add_up(tmp_path) -> None:
     ("text", "message"),
     [
         (b"", "x.csv: empty; expected a header and a row for each participant or answer"),
-        (HEAD, "x.csv: 1: a header alone; expected a row for each participant or answer"),
+        (HEAD, "x.csv:1: a header alone; expected a row for each participant or answer"),
         (HEAD + "a,b\n",
-         "x.csv: 1: ragged row: 2 cells where the header has 4; expected a row for each participant or answer"),
+         "x.csv:1: ragged row: 2 cells where the header has 4; expected a row for each participant or answer"),
         (HEAD + "a,anger,1,f\nb,anger,2,f\n",
-         f"x.csv: 2: response: '1' no label; expected {SIX}; map.yaml: answers can say what it means (2 cells or rows "
+         f"x.csv:2: response: '1' no label; expected {SIX}; map.yaml: answers can say what it means (2 cells or rows "
             "rejected); see emovid study columns"),
         (HEAD + "a,z8,fear,f\n",
-         "x.csv: 2: response: 'z8' unknown video; expected an emotion, or a key; see emovid study columns"),
+         "x.csv:2: response: 'z8' unknown video; expected an emotion, or a key; see emovid study columns"),
         ("participant,video,response,status\na,anger,angry,test\n",
          "x.csv: no participant is left (1 test run); expected answers"),
         ("Timestamp,Which?,Which?\n1/2/2026 9:00,angry,sad\n",
-         "x.csv: 1: 2 columns ask one question ('Which?' ...), none named by an emotion; expected a key, or map.yaml: "
+         "x.csv:1: 2 columns ask one question ('Which?' ...), none named by an emotion; expected a key, or map.yaml: "
          "videos"),
         ("id,Anger,my anger\n1,sad,angry\n",
-         "x.csv: 1: columns 'Anger' and 'my anger' both name the video anger; expected one: say which in map.yaml: "
+         "x.csv:1: columns 'Anger' and 'my anger' both name the video anger; expected one: say which in map.yaml: "
          "videos"),
         ('[{"a":', "x.csv: no JSON; expected a list of trials"),
         ("[1, 2]", "x.csv: no list of trials; expected one as jsPsych writes it"),
-        ('"V1","V2"\n"ResponseID","x"\n', "x.csv: 1: headers alone; expected a row for each response"),
+        ('"V1","V2"\n"ResponseID","x"\n', "x.csv:1: headers alone; expected a row for each response"),
         ("trial_type,trial_index,stimulus,response\nvideo-button-response,0,anger.mp4,0\nvideo-button-response,0,fear.mp4,1\n",
-         "x.csv: 1: no column tells its participants apart; expected map.yaml: participant"),
+         "x.csv:1: no column tells its participants apart; expected map.yaml: participant"),
     ],
 )  # fmt: skip
 def test_a_file_that_cannot_be_understood_is_refused_in_one_line(refusal, text, message) -> None:
@@ -202,25 +202,23 @@ def test_a_file_that_cannot_be_understood_is_refused_in_one_line(refusal, text, 
 
 def test_an_unknown_file_is_told_what_was_looked_for(refusal) -> None:
     message = refusal("name,town\nAda,London\n")
-    assert message.startswith(
-        "x.csv: 1: no export known here: columns 'name', 'town'; looked for the headers of Qualtr"
-    )
+    assert message.startswith("x.csv:1: no export known here: columns 'name', 'town'; looked for the headers of Qualtr")
     assert message.endswith("expected one of them, a key, or map.yaml: videos and answers")
     assert "\n" not in message
 
 
 KEYS = [
     ("code;emotion\n", "key.txt: a header alone; expected a row for each video"),
-    ("video,x\nz,anger\n", "key.txt: 1: no column true_emotion; expected video_code,true_emotion"),
+    ("video,x\nz,anger\n", "key.txt:1: no column true_emotion; expected video_code,true_emotion"),
     ("video_cod,true_emotion\nz,anger\n",
-     "key.txt: 1: no column video_code (did you mean video_cod?); expected video_code,true_emotion"),
+     "key.txt:1: no column video_code (did you mean video_cod?); expected video_code,true_emotion"),
     ("video_code,true_emotion\nz,anger\nZ.mp4,fear\n",
-     "key.txt: 3: video_code: 'Z.mp4' stands twice; expected a code for each video"),
-    ("video_code,true_emotion\n,anger\n", "key.txt: 2: video_code: empty; expected a code for each video"),
+     "key.txt:3: video_code: 'Z.mp4' stands twice; expected a code for each video"),
+    ("video_code,true_emotion\n,anger\n", "key.txt:2: video_code: empty; expected a code for each video"),
     ("video_code,true_emotion\nz,angr\n",
-     f"key.txt: 2: true_emotion: 'angr' is no emotion (did you mean anger?); expected {SIX}"),
-    ("video_code,true_emotion\nz\n", "key.txt: 2: ragged row: 1 cells where the header has 2; expected 2"),
-    ("video_code,true_emotion\nz,none\n", f"key.txt: 2: true_emotion: 'none' is no emotion; expected {SIX}"),
+     f"key.txt:2: true_emotion: 'angr' is no emotion (did you mean anger?); expected {SIX}"),
+    ("video_code,true_emotion\nz\n", "key.txt:2: ragged row: 1 cells where the header has 2; expected 2"),
+    ("video_code,true_emotion\nz,none\n", f"key.txt:2: true_emotion: 'none' is no emotion; expected {SIX}"),
 ]  # fmt: skip
 
 
@@ -242,10 +240,10 @@ MAPS = [
     ("answers: {1: x}\n", f"map.yaml:1: answers.1: 'x' is no label; expected {SIX} or none"),
     ("participant: [\n", "map.yaml:2: not YAML: expected the node content, but found '<stream end>'"),
     ("participant: persn\n",
-     "x.csv: 1: persn: no such column (did you mean person?); expected those of the map's participant"),
+     "x.csv:1: persn: no such column (did you mean person?); expected those of the map's participant"),
     ("videos: {Videos: z8r4}\n",
-     "x.csv: 1: Videos: no such column (did you mean video?); expected those of the map's videos"),
-    ("videos: [z8r4, k2m9]\n", "x.csv: 1: videos: 1 columns hold answers; the map lists 2 codes"),
+     "x.csv:1: Videos: no such column (did you mean video?); expected those of the map's videos"),
+    ("videos: [z8r4, k2m9]\n", "x.csv:1: videos: 1 columns hold answers; the map lists 2 codes"),
     ("groups: {g: gendr}\n",
      "map.yaml:1: groups.g: no file has the column 'gendr' (did you mean gender?); expected one that is there"),
     ("drop: {stat: x}\n", "map.yaml:1: drop.stat: no file has the column 'stat'; expected one that is there"),
@@ -268,7 +266,7 @@ def test_who_is_no_participant_of_the_study_is_dropped_and_counted(read) -> None
 
 def test_a_group_that_changes_within_a_participant_is_none(refusal) -> None:
     message = refusal(HEAD + "a,anger,angry,f\na,fear,fear,m\n", groups=["gender"])
-    assert message == "x.csv: 1: gender: changes within a participant; expected one value: it is no group"
+    assert message == "x.csv:1: gender: changes within a participant; expected one value: it is no group"
 
 
 def test_a_group_that_no_file_has_is_refused(refusal) -> None:
