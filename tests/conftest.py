@@ -2,9 +2,14 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from hypothesis import settings
 
 from emovid.scene.load import Setting, load_scene
 from emovid.scene.model import Scene
+
+# How long an example takes says more of the machine than of the code.
+settings.register_profile("emovid", deadline=None)
+settings.load_profile("emovid")
 
 MakeScene = Callable[..., Scene]
 

@@ -200,8 +200,11 @@ def _show(results: Mapping[str, Any], responses: "Responses | None", output: Pat
     for name, fit in results["goodness_of_fit"].items():
         tests.add_row(name, *_test_cells(fit, results["recognition"][name]))
     console.print(matrix, tests)
-    for warning in results["warnings"]:
-        console.print(f"warning: {warning}")
+    if results["warnings"]:
+        warnings = Table("warnings", box=box.SIMPLE)
+        for warning in results["warnings"]:
+            warnings.add_row(warning)
+        console.print(warnings)
     console.print(f"results in {output}: report.html, results.json, tables and figures")
 
 
@@ -246,18 +249,18 @@ def columns(
 
 @app.command()
 def compare(
-    original: Annotated[Path, typer.Argument(help="A confusion matrix, laid out as our confusion_matrix.csv.")],
-    replication: Annotated[Path, typer.Argument(help="Another, with the same labels.")],
+    original: Annotated[Path, typer.Argument(help="The results of an analysis, or a confusion matrix as CSV.")],
+    replication: Annotated[Path, typer.Argument(help="Others, with the same labels.")],
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
     """Set a replication beside the original: differences with intervals, and a test of the whole."""
     from emovid.study import apa
     from emovid.study.compare import compare as run
-    from emovid.study.matrix import read_matrix
+    from emovid.study.matrix import read_results
 
-    first, labels, signalled = read_matrix(original)
-    second, other_labels, other_signalled = read_matrix(replication)
+    first, labels, signalled = read_results(original)
+    second, other_labels, other_signalled = read_results(replication)
     if (labels, signalled) != (other_labels, other_signalled):
         raise InputError(f"{replication}: other labels than {original}: expected {', '.join(labels)}")
     found = run(first, second, seed)

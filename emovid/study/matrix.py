@@ -5,6 +5,7 @@ Rows are the perceived labels, columns the signalled ones.
 
 import csv
 import io
+import json
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emovid.errors import nearest
+from emovid.study.cells import csv_text
 from emovid.study.errors import StudyError
 from emovid.whole_files import reason
 
@@ -29,12 +31,12 @@ def percent(counts: Counts) -> NDArray[np.float64]:
 
 def matrix_csv(counts: Counts, labels: Sequence[str], signalled: Sequence[str]) -> str:
     """Return the counts, and after them the percentages, as CSV text."""
-    text = io.StringIO()
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerow([_CORNER, *signalled, *(name + _PERCENT for name in signalled)])
-    for label, row, shares in zip(labels, counts.tolist(), percent(counts).tolist(), strict=True):
-        rows.writerow([label, *row, *(_two_decimals(share) for share in shares)])
-    return text.getvalue()
+    shares = percent(counts).tolist()
+    rows = (
+        [label, *row, *map(_two_decimals, of_column)]
+        for label, row, of_column in zip(labels, counts.tolist(), shares, strict=True)
+    )
+    return csv_text([_CORNER, *signalled, *(name + _PERCENT for name in signalled)], rows)
 
 
 def matrix_markdown(counts: Counts, labels: Sequence[str], signalled: Sequence[str]) -> str:
@@ -97,6 +99,28 @@ def read_matrix(path: Path) -> tuple[Counts, tuple[str, ...], tuple[str, ...]]:
     if any(len(row) != len(signalled) for row in counts):
         raise StudyError(f"{path}: a row has fewer cells than the heading")
     return np.array(counts, dtype=np.int64), labels, signalled
+
+
+def read_results(path: Path) -> tuple[Counts, tuple[str, ...], tuple[str, ...]]:
+    """Return the matrix of an analysis: of its folder, its results.json, or its confusion_matrix.csv.
+
+    Raises:
+        StudyError: as `read_matrix`.
+    """
+    file = path / "results.json" if path.is_dir() else path
+    if file.suffix.lower() != ".json":
+        return read_matrix(file)
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+        counts = np.array(found["counts"], dtype=np.int64)
+        labels, signalled = tuple(map(str, found["labels"])), tuple(map(str, found["emotions"]))
+        if counts.shape != (len(labels), len(signalled)):
+            raise ValueError
+    except OSError as error:
+        raise StudyError(f"{file}: cannot be read: {reason(error)}") from None
+    except (ValueError, KeyError, TypeError):
+        raise StudyError(f"{file}: no results; expected the results.json of emovid study analyze") from None
+    return counts, labels, signalled
 
 
 def _count(path: Path, line: int, cell: str) -> int:

@@ -1,21 +1,17 @@
-"""The files of `results/`: tables to compute with and to print. Cells that a spreadsheet would run are made text."""
+"""The files of `results/`: tables to compute with and to print."""
 
-import csv
-import io
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import astuple
 from typing import Any
 
 import numpy as np
 
+from emovid.study.cells import csv_text
 from emovid.study.matrix import matrix_csv, matrix_latex, matrix_markdown
 from emovid.study.responses import Responses
 
 Block = Mapping[str, Any]
-
-# A cell that starts with one of these is a formula to spreadsheets (OWASP, "CSV Injection").
-_FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 _TESTS = (
     ("n", "n", "{:d}"),
@@ -49,13 +45,13 @@ def result_files(results: Block, responses: Responses | None) -> dict[str, str]:
         "confusion_matrix.csv": matrix_csv(counts, labels, signalled),
         "confusion_matrix.md": matrix_markdown(counts, labels, signalled),
         "confusion_matrix.tex": matrix_latex(counts, labels, signalled),
-        "tests.csv": _csv(["group", "level", "emotion", *(name for _, name, _ in _TESTS)], test_rows(results)),
+        "tests.csv": csv_text(["group", "level", "emotion", *(name for _, name, _ in _TESTS)], test_rows(results)),
         "tests.tex": tests_latex(results),
     }
     if responses is not None:
         rejected = map(astuple, responses.rejected)
         files["responses_tidy.csv"] = tidy_csv(responses)
-        files["rejected.csv"] = _csv(["file", "row", "cell", "value", "reason"], rejected)
+        files["rejected.csv"] = csv_text(["file", "row", "cell", "value", "reason"], rejected)
     return files
 
 
@@ -64,7 +60,7 @@ def tidy_csv(responses: Responses) -> str:
     table = responses.answers.merge(responses.participants, left_on="participant", right_index=True, how="left")
     table = table.assign(correct=(table["signalled"] == table["perceived"]).astype(int))
     rows = table.astype(object).where(table.notna(), "").itertuples(index=False, name=None)
-    return _csv(list(map(str, table.columns)), rows)
+    return csv_text(list(map(str, table.columns)), rows)
 
 
 def test_rows(results: Block) -> list[list[str]]:
@@ -108,12 +104,6 @@ def tests_latex(results: Block) -> str:
     )
 
 
-def safe(cell: object) -> str:
-    """Return a cell's text, with an apostrophe before what a spreadsheet would take for a formula."""
-    text = str(cell)
-    return f"'{text}" if text.startswith(_FORMULA) and not _is_number(text) else text
-
-
 def _rows(column: str, level: str, block: Block) -> list[list[str]]:
     rows = []
     for name, fit in block["goodness_of_fit"].items():
@@ -121,22 +111,6 @@ def _rows(column: str, level: str, block: Block) -> list[list[str]]:
         cells = ["" if values[key] is None else form.format(values[key]) for key, _, form in _TESTS]
         rows.append([column, level, name, *cells])
     return rows
-
-
-def _csv(head: Sequence[str], rows: Iterable[Iterable[object]]) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(map(safe, head))
-    writer.writerows([safe(cell) for cell in row] for row in rows)
-    return text.getvalue()
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return "_" not in text
 
 
 def _interval(found: Block) -> str:

@@ -66,7 +66,7 @@ def test_two_analyses_are_equal_to_the_byte(reference, tmp_path) -> None:
 def test_the_terminal_shows_matrix_tests_and_warnings(capsys) -> None:
     assert main(["study", "analyze", str(REFERENCE / "responses.csv")]) == 0
     said = capsys.readouterr().out
-    for words in ("45 participants", "64.44", "75.13", "absolute", "warning: ", "results in results: report.html"):
+    for words in ("45 participants", "64.44", "75.13", "absolute", "warnings", "results in results: report.html"):
         assert words in said
 
 
@@ -127,6 +127,9 @@ def test_a_replication_stands_beside_the_original(capsys) -> None:
     assert main(["study", "compare", str(REFERENCE / "counts.csv"), "r/confusion_matrix.csv", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["videos"]["happiness"]["difference"] < -0.2
+    for other in ("r", "r/results.json"):
+        assert main(["study", "compare", str(REFERENCE / "counts.csv"), other, "--json"]) == 0
+        assert json.loads(capsys.readouterr().out) == found
 
 
 def test_a_study_is_planned(capsys) -> None:
@@ -151,6 +154,7 @@ def test_an_export_s_columns_are_shown(capsys) -> None:
         (["analyze", "x.csv", "--counts", "y.csv"], "expected exports to analyse, or --counts and a confusion matrix"),
         (["analyze", "--counts", "y.csv"], "y.csv: cannot be read: no such file or directory"),
         (["compare", "a.csv", "b.csv"], "a.csv: cannot be read: no such file or directory"),
+        (["compare", str(REFERENCE / "counts.csv"), "."], "results.json: cannot be read: no such file or directory"),
         (["power", "--rate", "0.1"], None),
         (
             ["simulate", "--bias", "feer=2"],

@@ -201,7 +201,7 @@ PUNCTUATION = " \n\t:-#[]{}&*!|>'\"%@`,?\\~.=<ax01eEUu"
 @example('"\\ud800": 1')  # half a character
 @example("\ud800")
 @example("? ")
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 def test_any_text_is_a_scene_or_one_line(text):
     assert_scene_or_one_line(text)
 
@@ -255,7 +255,7 @@ def edited_scenes(draw):
 
 
 @given(edited_scenes())
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_any_edit_of_a_shipped_scene_is_a_scene_or_one_line(text):
     assert_scene_or_one_line(text)
 
@@ -273,7 +273,7 @@ NESTED = st.recursive(
 
 
 @given(NESTED)
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_any_data_is_a_scene_or_one_line(data):
     assert_scene_or_one_line(yaml.safe_dump(data, allow_unicode=True))
 
@@ -283,7 +283,7 @@ def groups_in(data):
 
 
 @given(st.sampled_from(sorted(SHIPPED)), st.data(), NESTED)
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_any_data_in_a_shipped_scene_is_a_scene_or_one_line(emotion, choice, odd):
     data = read_yaml(SHIPPED[emotion], "scene.yaml")[0]
     group = choice.draw(st.sampled_from(groups_in(data)))

@@ -37,7 +37,7 @@ def studies(draw: st.DrawFn) -> Responses:
 
 
 @given(studies())
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow])
 def test_any_study_gives_results(study: Responses) -> None:
     results = analyze(study)
     assert np.sum(results["counts"]) == len(study.answers)
@@ -48,7 +48,7 @@ def test_any_study_gives_results(study: Responses) -> None:
 
 
 @given(studies())
-@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=15, suppress_health_check=[HealthCheck.too_slow])
 def test_any_matrix_gives_results(study: Responses) -> None:
     results = analyze_counts(study.counts(), study.labels, study.signalled)
     assert result_files(results, None)["tests.csv"].count("\n") == 1 + len(study.signalled)

@@ -85,7 +85,7 @@ def test_homogeneity_of_many_tables() -> None:
 
 
 @given(MATRIX, MATRIX, st.permutations(range(3)))
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 def test_order_of_studies_and_labels_does_not_matter(a: np.ndarray, b: np.ndarray, order: list[int]) -> None:
     test, swapped = compare(a, b), compare(b, a)
     assert 0 < test.p_monte_carlo <= 1

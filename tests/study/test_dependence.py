@@ -93,7 +93,7 @@ def test_one_label_throughout_always_hits_once() -> None:
 
 
 @given(CHOICES.filter(lambda choices: len(choices) <= 3))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_total_recognition_is_every_shuffle(choices: np.ndarray) -> None:
     # Label 4 is that of no video; -1 is a missing answer.
     assert total_recognition(choices).p == pytest.approx(enumerated_tail(choices), rel=1e-9)
@@ -212,7 +212,7 @@ def test_nobody() -> None:
 
 
 @given(CHOICES, st.randoms())
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_people_may_be_reordered(choices: np.ndarray, random) -> None:
     rows = choices.tolist()
     random.shuffle(rows)

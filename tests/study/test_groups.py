@@ -170,7 +170,7 @@ def test_means_without_spread_have_no_interval(b: list[float]) -> None:
 
 
 @given(N, N, st.data())
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_any_pair(n: int, m: int, data) -> None:
     hits = data.draw(st.integers(0, n)), data.draw(st.integers(0, m))
     pair, mirrored = rate_pair(("a", "b"), hits, (n, m)), rate_pair(("b", "a"), hits[::-1], (m, n))

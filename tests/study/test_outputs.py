@@ -9,9 +9,10 @@ from known import TABLE_III
 from test_analyze import responses
 
 from emovid.study.analyze import analyze, analyze_counts
+from emovid.study.cells import safe
 from emovid.study.errors import StudyError
 from emovid.study.matrix import matrix_csv, matrix_latex, matrix_markdown, read_matrix
-from emovid.study.outputs import result_files, safe
+from emovid.study.outputs import result_files
 from emovid.study.report import report_html
 from emovid.study.responses import EMOTIONS, Rejected, Responses
 
@@ -25,6 +26,10 @@ def test_a_matrix_comes_back_from_its_file(tmp_path) -> None:
     counts, labels, signalled = read_matrix(tmp_path / "m.csv")
     assert np.array_equal(counts, TABLE_III)
     assert labels == signalled == EMOTIONS
+
+
+def test_labels_that_a_spreadsheet_would_run_are_text_in_a_matrix_too() -> None:
+    assert matrix_csv(np.eye(2, dtype=int), ("=a", "b"), ("=a", "b")).splitlines()[1].startswith("'=a,")
 
 
 def test_a_matrix_may_have_an_extra_row(tmp_path) -> None:

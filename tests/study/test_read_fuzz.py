@@ -74,7 +74,7 @@ WORDS = [
 
 def tolerant(examples: int) -> settings:
     """Take examples of any length, since files take their time."""
-    return settings(max_examples=examples, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+    return settings(max_examples=examples, suppress_health_check=[HealthCheck.too_slow])
 
 
 def check(data: bytes, mapping: str = "", name: str = "x.csv") -> None:

@@ -166,7 +166,7 @@ def test_poles_are_the_halves_of_the_circle() -> None:
 
 
 @given(MATRIX)
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_any_matrix(counts: np.ndarray) -> None:
     for test in recognise(counts):
         assert 0 <= test.p_binomial <= test.p_holm <= 1
@@ -175,7 +175,7 @@ def test_any_matrix(counts: np.ndarray) -> None:
 
 
 @given(st.integers(1, 60), st.data())
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_more_hits_are_stronger(n: int, data) -> None:
     hits = data.draw(st.integers(0, n - 1))
     fewer, more = (recognise(np.array([[h], [n - h], [0]]))[0] for h in (hits, hits + 1))

@@ -181,7 +181,7 @@ def test_periods_are_reported(make_scene) -> None:
     period=st.floats(0.01, 0.5),
     seed=st.integers(0, 1000),
 )
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_bodies_stay_on_the_stage_whatever_the_control(make_scene, emotion, K, l, period, seed) -> None:
     keys = {"robot.K": K, "robot.l": l, "control_period": period, "seed": seed, "duration": 2, "behaviour.R": 0.2}
     if emotion not in ("happiness", "sadness"):

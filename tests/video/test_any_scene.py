@@ -29,7 +29,7 @@ SETTING = st.sampled_from(sorted(KEYS)).flatmap(lambda key: st.tuples(st.just(ke
 
 
 @given(st.sampled_from(list(EMOTIONS)), st.lists(SETTING, max_size=3))
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=150, suppress_health_check=[HealthCheck.too_slow])
 def test_any_scene_is_drawn_or_refused_in_one_line(emotion, pairs) -> None:
     base = [("duration", 0.3), ("video.size", "64x64")]
     refused = None

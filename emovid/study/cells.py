@@ -1,0 +1,31 @@
+"""Cells of the CSV files we write: what a spreadsheet would run is made text."""
+
+import csv
+import io
+from collections.abc import Iterable, Sequence
+
+# A cell that starts with one of these is a formula to spreadsheets (OWASP, "CSV Injection").
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
+
+
+def csv_text(head: Sequence[str], rows: Iterable[Iterable[object]]) -> str:
+    """Return a table as CSV text, every cell safe."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(map(safe, head))
+    writer.writerows([safe(cell) for cell in row] for row in rows)
+    return text.getvalue()
+
+
+def safe(cell: object) -> str:
+    """Return a cell's text, with an apostrophe before what a spreadsheet would take for a formula."""
+    text = str(cell)
+    return f"'{text}" if text.startswith(_FORMULA) and not _is_number(text) else text
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return "_" not in text
