@@ -70,5 +70,8 @@ def _is_alive(pid: str) -> bool:
     except (ProcessLookupError, ValueError):
         return False
     except PermissionError:  # it is another user's
-        pass
-    return True
+        return True
+    try:  # one that has ended but was not waited for still has its number
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except (OSError, IndexError):  # ended meanwhile, or a system without /proc
+        return True

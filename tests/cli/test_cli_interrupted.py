@@ -11,11 +11,15 @@ from pathlib import Path
 import pytest
 
 EMOVID = [sys.executable, "-m", "emovid"]
+# Who starts the tests in the background may have made SIGINT ignored, and processes inherit that.
+LISTENING = (
+    "import signal; signal.signal(signal.SIGINT, signal.default_int_handler);from emovid.cli.main import run; run()"
+)
 LONG = ["--size", "640x360", "--fps", "30"]
 
 
 def start(folder: Path, *arguments: str) -> "subprocess.Popen[str]":
-    command = [*EMOVID, "render", *arguments, "-o", str(folder), *LONG]
+    command = [sys.executable, "-c", LISTENING, "render", *arguments, "-o", str(folder), *LONG]
     return subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
 
 

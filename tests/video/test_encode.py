@@ -156,6 +156,18 @@ def test_what_a_killed_process_left_is_cleared(tmp_path) -> None:
     assert left(tmp_path) == ["x.mp4"]
 
 
+def test_what_an_unwaited_process_left_is_cleared(tmp_path) -> None:
+    # In a container without an init, a killed worker stays a zombie for ever: its number is no sign of life.
+    with subprocess.Popen([sys.executable, "-c", ""]) as ended:
+        deadline = time.monotonic() + 20
+        while Path(f"/proc/{ended.pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z":
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+        (tmp_path / f".x.mp4.{os.uname().nodename}-{ended.pid}.part").write_bytes(b"")
+        write(tmp_path / "x.mp4")
+        assert left(tmp_path) == ["x.mp4"]
+
+
 def test_names_that_look_like_patterns_are_names(tmp_path) -> None:
     target = tmp_path / "[a]*.mp4"
     bystander = tmp_path / f".a.mp4.{os.uname().nodename}-999999999.part"
