@@ -1,6 +1,7 @@
-"""Files that appear under their name whole or not at all, whatever interrupts the writing."""
+"""Files that appear under their name whole or not at all, whatever interrupts the writing; and what is in them."""
 
 import glob
+import hashlib
 import os
 import socket
 from collections.abc import Iterator
@@ -57,6 +58,15 @@ def make_folder(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise EmovidError(f"{folder}: cannot be made: {reason(error)}") from None
+
+
+def file_digest(path: Path) -> str:
+    """Return the SHA-256 of a file."""
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        raise EmovidError(f"{path}: cannot be read: {reason(error)}") from None
 
 
 def reason(error: OSError) -> str:

@@ -8,13 +8,12 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from emovid.errors import EmovidError
 from emovid.scene.load import scene_digest
 from emovid.scene.model import Scene
 from emovid.swarm.trajectory import Trajectory
 from emovid.video.encode import ffmpeg_version
 from emovid.video.render import video_arguments
-from emovid.whole_files import reason, writing
+from emovid.whole_files import file_digest, writing
 
 NAME = "manifest.json"
 Record = dict[str, Any]
@@ -74,15 +73,6 @@ def add_to_manifest(folder: Path, name: str, entry: Record) -> None:
     text = json.dumps({"videos": dict(sorted(videos.items()))}, indent=2) + "\n"
     with writing(folder / NAME) as file:
         file.write(text.encode())
-
-
-def file_digest(path: Path) -> str:
-    """Return the SHA-256 of a file."""
-    try:
-        with path.open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
-    except OSError as error:
-        raise EmovidError(f"{path}: cannot be read: {reason(error)}") from None
 
 
 @cache

@@ -5,19 +5,13 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
     from emovid.batch.manifest import Record
-    from emovid.batch.videos import Job
-
-
-class _Report(Protocol):
-    def advanced(self, job: "Job", frames: int) -> None: ...
-
-    def finished(self, job: "Job", entry: "Record", *, made: bool) -> None: ...
+    from emovid.batch.videos import Job, Reporter
 
 
 class _Silent:
@@ -76,7 +70,7 @@ def is_interactive() -> bool:
 
 
 @contextmanager
-def reporter(jobs: "Sequence[Job]", *, quiet: bool) -> Iterator[_Report]:
+def reporter(jobs: "Sequence[Job]", *, quiet: bool) -> "Iterator[Reporter]":
     """Give what reports on the making of videos."""
     if quiet:
         yield _Silent()

@@ -88,9 +88,10 @@ def analyze(
 def _of_counts(counts: Path, seed: int) -> dict[str, Any]:
     from emovid.study.analyze import analyze_counts
     from emovid.study.matrix import read_matrix
+    from emovid.whole_files import file_digest
 
     matrix, labels, signalled = read_matrix(counts)
-    inputs = [{"file": str(counts), "dialect": "confusion matrix", "sha256": _sha256(counts)}]
+    inputs = [{"file": str(counts), "dialect": "confusion matrix", "sha256": file_digest(counts)}]
     return analyze_counts(matrix, labels, signalled, seed) | {"provenance": _provenance(inputs, None, seed)}
 
 
@@ -118,14 +119,10 @@ def _of_exports(
 def _provenance(inputs: list[dict[str, Any]], key: Path | None, seed: int) -> dict[str, Any]:
     from importlib.metadata import version
 
-    key_sha256 = _sha256(key) if key else None
+    from emovid.whole_files import file_digest
+
+    key_sha256 = file_digest(key) if key else None
     return {"inputs": inputs, "key_sha256": key_sha256, "version": version("emovid"), "seed": seed}
-
-
-def _sha256(path: Path) -> str:
-    import hashlib
-
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _figures(results: Mapping[str, Any]) -> "dict[str, tuple[str, Figure]]":

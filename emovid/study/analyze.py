@@ -98,7 +98,10 @@ def _block(counts: Counts, signalled: Sequence[str], seed: int) -> Block:
         "n_responses": int(counts.sum()),
         "counts": counts.tolist(),
         "percent": _plain(percent(counts)),
-        "goodness_of_fit": {name: _said(fit, apa.goodness) for name, fit in zip(signalled, fits, strict=True)},
+        "goodness_of_fit": {
+            name: {**_said(fit, apa.goodness), "apa_exact": apa.goodness_exact(fit)}
+            for name, fit in zip(signalled, fits, strict=True)
+        },
         "recognition": {name: _said(found, apa.binomial) for name, found in zip(signalled, recognised, strict=True)},
     }
 

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from emovid.study.goodness import DRAWS
 
-# Degrees from pleasure (0) through arousal (90) to displeasure (180), to the nearest degree, of the words happy,
+# Degrees from pleasure (0) through arousal (90) to displeasure (180) of the words happy,
 # astonished, angry, afraid and sad as J. Russell, "A circumplex model of affect", J. Personality and Social Psychology
 # 39, 1980, scaled them with the method of R. Ross, "A statistic for circular series", J. Educational Psychology 29,
 # 1938. No word for disgust was scaled; it stands at "distressed", between fear and sadness, where the paper has it:
 # Table III lists the emotions counterclockwise in this order.
-ANGLES = {"happiness": 8.0, "surprise": 70.0, "anger": 99.0, "fear": 116.0, "disgust": 138.0, "sadness": 207.0}
+ANGLES = {"happiness": 7.8, "surprise": 69.8, "anger": 99.0, "fear": 116.0, "disgust": 138.0, "sadness": 207.5}
 
 # 7! = 5040 relabellings are listed, 8! are not.
 _MOST_LISTED = 7
@@ -41,12 +41,6 @@ class NearNeighbours:
     method: str
     draws: int
     seed: int | None
-
-
-def positions(labels: Sequence[str]) -> NDArray[np.float64]:
-    """Return valence and arousal (labels, 2) on the unit circle, NaN for labels that have no place in `ANGLES`."""
-    angles = np.radians([ANGLES.get(label, np.nan) for label in labels])
-    return np.column_stack([np.cos(angles), np.sin(angles)])
 
 
 def distances(labels: Sequence[str]) -> NDArray[np.float64]:

@@ -119,13 +119,13 @@ def _videos(results: Block) -> str:
         [
             name.capitalize(),
             fit["apa"],
-            _exact(fit),
+            fit["apa_exact"],
             results["recognition"][name]["apa"],
             _hu(results["recognition"][name]),
         ]
         for name, fit in results["goodness_of_fit"].items()
     ]
-    heads = ["Emotion", "Against equal shares", "Exact p", "Recognition against chance", "Unbiased hit rate"]
+    heads = ["Emotion", "Against equal shares", "The same, exact", "Recognition against chance", "Unbiased hit rate"]
     return f'<div class="wide said">{_table(heads, rows)}</div>'
 
 
@@ -201,10 +201,6 @@ def _list(items: Sequence[str], kind: str) -> str:
 
 def _share(share: float | None) -> str:
     return "" if share is None else f"{share:.2f}"
-
-
-def _exact(fit: Block) -> str:
-    return "p < .001" if fit["p_exact"] < 0.001 else f"p = {fit['p_exact']:.3f}".replace("0.", ".")
 
 
 def _hu(found: Block) -> str:

@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from known import TABLE_III
 
-from emovid.study.circumplex import ANGLES, distances, near_neighbours, positions
+from emovid.figures.circumplex import POSITIONS
+from emovid.study.circumplex import ANGLES, distances, near_neighbours
 from emovid.study.goodness import DRAWS
 from emovid.study.responses import EMOTIONS
 
@@ -15,17 +16,15 @@ def test_emotions_go_round_in_the_order_of_the_paper() -> None:
     assert sorted(ANGLES, key=lambda emotion: ANGLES[emotion]) == list(EMOTIONS)
 
 
-def test_positions_are_on_the_circle() -> None:
-    points = positions(("happiness", "sadness", "none"))
-    assert np.hypot(*points[:2].T) == pytest.approx([1, 1])
-    assert points[0] == pytest.approx([0.990, 0.139], abs=1e-3)
-    assert (points[1] < 0).all()
-    assert np.isnan(points[2]).all()
+def test_the_figure_shows_the_angles_that_are_tested() -> None:
+    for emotion, angle in ANGLES.items():
+        place = POSITIONS[emotion]
+        assert np.degrees(np.arctan2(place.arousal, place.valence)) % 360 == pytest.approx(angle)
 
 
 def test_distance_goes_the_short_way_round() -> None:
     between = distances(EMOTIONS)
-    assert between[0, 5] == 360 - 199
+    assert between[0, 5] == pytest.approx(360 - 199.7)
     assert between[3, 4] == 22
     assert (between == between.T).all()
     assert (np.diagonal(between) == 0).all()

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from known import TABLE_III
 
-from emovid.study.circumplex import positions
+from emovid.study.circumplex import ANGLES
 from emovid.study.recognition import (
     AROUSAL,
     VALENCE,
@@ -160,7 +160,8 @@ def test_none_of_these_is_a_miss_and_strange_labels_have_no_pole() -> None:
 
 
 def test_poles_are_the_halves_of_the_circle() -> None:
-    valence, arousal = positions(EMOTIONS).T
+    angle = np.radians([ANGLES[emotion] for emotion in EMOTIONS])
+    valence, arousal = np.cos(angle), np.sin(angle)
     assert [VALENCE[emotion] for emotion in EMOTIONS] == (valence > 0).tolist()
     assert [AROUSAL[emotion] for emotion in EMOTIONS] == (arousal > 0).tolist()
 
