@@ -46,7 +46,8 @@ class NearNeighbours:
 def distances(labels: Sequence[str]) -> NDArray[np.float64]:
     """Return the angles (labels, labels) [degrees] between emotions, from 0 to 180, NaN where one has no place."""
     angles = np.array([ANGLES.get(label, np.nan) for label in labels])
-    return np.abs((angles[:, None] - angles + 180) % 360 - 180)
+    apart = np.abs(angles[:, None] - angles)
+    return np.minimum(apart, 360 - apart)
 
 
 def near_neighbours(counts: NDArray[np.int64], labels: Sequence[str], seed: int = 0) -> NearNeighbours:
