@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -179,15 +180,16 @@ def _show(results: Mapping[str, Any], responses: "Responses | None", output: Pat
     from rich.table import Table
 
     console = Console(highlight=False, markup=False)
+    say = partial(console.print, soft_wrap=True)  # a line stays one line, however long its path
     if responses is not None:
         for source in responses.sources:
-            console.print(f"{source.file}: {source.dialect}, {source.participants} participants")
+            say(f"{source.file}: {source.dialect}, {source.participants} participants")
         for item in responses.rejected[:_SHOWN]:
             where = f"{item.file}:{item.row}" if item.row else item.file
             value = repr(item.value) if item.value else ""
-            console.print(": ".join(part for part in (where, item.cell, value, item.reason) if part))
+            say(": ".join(part for part in (where, item.cell, value, item.reason) if part))
         if len(responses.rejected) > _SHOWN:
-            console.print(f"... and {len(responses.rejected) - _SHOWN} more in rejected.csv")
+            say(f"... and {len(responses.rejected) - _SHOWN} more in rejected.csv")
     matrix = Table("response (%)", *results["emotions"], box=box.SIMPLE, title="signaled emotion")
     for label, row in zip(results["labels"], results["percent"], strict=True):
         matrix.add_row(label, *("" if share is None else f"{share:.2f}" for share in row))
@@ -202,7 +204,7 @@ def _show(results: Mapping[str, Any], responses: "Responses | None", output: Pat
         for warning in results["warnings"]:
             warnings.add_row(warning)
         console.print(warnings)
-    console.print(f"results in {output}: report.html, results.json, tables and figures")
+    say(f"results in {output}: report.html, results.json, tables and figures")
 
 
 def _test_cells(fit: Mapping[str, Any], found: Mapping[str, Any]) -> list[str]:

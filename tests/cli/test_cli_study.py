@@ -1,4 +1,5 @@
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -63,8 +64,10 @@ def test_two_analyses_are_equal_to_the_byte(reference, tmp_path) -> None:
         assert (tmp_path / "again" / name).read_bytes() == (reference / name).read_bytes(), name
 
 
-def test_the_terminal_shows_matrix_tests_and_warnings(capsys) -> None:
-    assert main(["study", "analyze", str(REFERENCE / "responses.csv")]) == 0
+def test_the_terminal_shows_matrix_tests_and_warnings(capsys, tmp_path) -> None:
+    deep = tmp_path / ("a long folder " * 8)  # wider than a terminal: a line must stay a line
+    shutil.copytree(REFERENCE, deep)
+    assert main(["study", "analyze", str(deep / "responses.csv")]) == 0
     said = capsys.readouterr().out
     for words in ("45 participants", "64.44", "75.13", "absolute", "warnings", "results in results: report.html"):
         assert words in said
