@@ -1,0 +1,105 @@
+"""How near a coverage behaviour is to its end, and how its robots pass the centroids that they head for.
+
+The cost of a configuration is the locational cost H = sum_i of the integral over V_i of |q - p_i|^2 phi(q) dq
+(J. Cortés, S. Martínez, T. Karatas and F. Bullo, "Coverage control for mobile sensing networks", IEEE Trans. Robot.
+Autom. 20(2), 2004), over the density's mass: the mean square distance of the mass from its robot, whatever the scale of
+phi. Its converged value is where the swarm would come to rest: Lloyd's iteration, with steps to the centroids, from the
+window's end.
+"""
+
+import numpy as np
+
+from emovid.measure.descriptor import Descriptor
+from emovid.measure.window import Window
+from emovid.scene.behaviour import Coverage
+from emovid.swarm.arrays import Array
+from emovid.swarm.coverage import corners_of, locational_cost, mass_and_centroid
+from emovid.swarm.densities import Density, density_of
+
+_MOST_STEPS = 200
+_CONVERGED = 1e-6  # of the cost: the least that a step must take off it
+_MOST_PERIODS = 60  # looked at for overshoot
+
+_COST = "locational cost of Cortés et al. 2004, over the density's mass"
+
+CONVERGENCE = (
+    Descriptor(
+        "cost_start", "m^2", "mean square distance of the density's mass from its nearest robot, at the start", _COST
+    ),
+    Descriptor("cost_end", "m^2", "the same at the window's end", _COST),
+    Descriptor(
+        "cost_converged",
+        "m^2",
+        "the same where Lloyd's iteration ends, from the window's end: when a step takes off less than a millionth of "
+        "cost_end, or after 200 steps",
+        _COST,
+    ),
+    Descriptor("cost_ratio", "1", "cost_end / cost_converged", _COST),
+    Descriptor("cost_progress", "share", "(cost_start - cost_end) / (cost_start - cost_converged)", _COST),
+    Descriptor(
+        "overshoot_share",
+        "share",
+        "of the control periods of all robots: those in which a robot gets past the centroid of its cell, as it was at "
+        "the period's start, by more than a visible step along the line to it; at most 60 periods, evenly spread",
+    ),
+    Descriptor("overshoot_mean", "m", "how far they get past it, mean over those periods; 0 if there are none"),
+)
+
+
+def convergence(window: Window) -> dict[str, float]:
+    """Return the descriptors of convergence; NaN for behaviours that cover no density."""
+    scene = window.trajectory.scene
+    if not isinstance(scene.behaviour, Coverage):
+        return {descriptor.name: float("nan") for descriptor in CONVERGENCE}
+    corners, density = corners_of(scene.stage), density_of(scene.behaviour.density, scene.stage)
+    first, last = window.points(np.array([window.start, window.end]))
+    start, end = (mean_cost(points, corners, density) for points in (first, last))
+    converged = mean_cost(lloyd(last, corners, density, _CONVERGED * end), corners, density)
+    past = past_centroids(window, corners, density)
+    passes = past > window.step
+    to_do, nothing = start - converged, float("nan")
+    return {
+        "cost_start": start,
+        "cost_end": end,
+        "cost_converged": converged,
+        "cost_ratio": end / converged,
+        "cost_progress": (start - end) / to_do if to_do > _CONVERGED * start else nothing,
+        "overshoot_share": float(passes.mean()) if passes.size else nothing,
+        "overshoot_mean": float(past[passes].mean()) if passes.any() else 0.0 if passes.size else nothing,
+    }
+
+
+def mean_cost(points: Array, corners: Array, density: Density) -> float:
+    """Return the locational cost of points (N, 2) on a stage with `corners` (C, 2) over the density's mass [m^2]."""
+    (mass,), _ = mass_and_centroid(corners[:1], corners, density)  # a lone robot's cell is the whole stage
+    return locational_cost(points, corners, density) / float(mass)
+
+
+def lloyd(points: Array, corners: Array, density: Density, least: float) -> Array:
+    """Return the points (N, 2) [m] that Lloyd's iteration settles in: each goes to its centroid, all at once.
+
+    It ends when a step would take less than `least` [m^2] off the mean cost of the cells as they are, or after 200
+    steps.
+    """
+    for _ in range(_MOST_STEPS):
+        mass, centroid = mass_and_centroid(points, corners, density)
+        if mass @ np.sum((centroid - points) ** 2, axis=1) < least * mass.sum():  # the parallel axis theorem
+            break
+        points = centroid
+    return points
+
+
+def past_centroids(window: Window, corners: Array, density: Density) -> Array:
+    """Return how far [m] robots get past the centroids they head for, (periods, N), negative if they stay short."""
+    trajectory, ends = window.trajectory, window.trajectory.t
+    whole = np.flatnonzero((ends[:-1] >= window.start - 1e-9) & (ends[1:] <= window.end + 1e-9))
+    evenly = np.linspace(0, len(whole) - 1, min(len(whole), _MOST_PERIODS)).round().astype(int)
+    past = []
+    for period in whole[evenly]:
+        before, after = trajectory.poses[period : period + 2, :, :2]
+        _, centroid = mass_and_centroid(before, corners, density)
+        ahead = centroid - before
+        distance = np.hypot(ahead[:, 0], ahead[:, 1])
+        along = np.sum((after - before) * ahead, axis=1) / np.where(distance > 0, distance, 1.0)
+        past.append(along - distance)
+    return np.array(past)
