@@ -3,10 +3,13 @@ PYTHON ?= python3
 JOBS ?= $(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
 BIN := .venv/bin
 
-.PHONY: all-videos study test lint format bench picture setup clean
+.PHONY: all-videos figures study test lint format bench picture sensitivity setup clean
 
 all-videos: .venv/installed
 	$(BIN)/emovid render --all --jobs $(JOBS) -o videos
+
+figures: .venv/installed
+	$(BIN)/emovid figures all -o figures --format pdf --format png
 
 test: .venv/dev-installed
 	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile
@@ -22,14 +25,21 @@ study: .venv/installed
 
 bench: .venv/dev-installed
 	$(BIN)/python benchmarks/startup.py
+	$(BIN)/python benchmarks/gate.py
+	$(BIN)/python benchmarks/coverage_scale.py
+	$(BIN)/python benchmarks/render_cost.py
+	$(BIN)/python benchmarks/peers.py
 
 picture: .venv/installed
 	$(BIN)/python docs/make_picture.py docs/six-emotions.png
 
+sensitivity: .venv/installed
+	$(BIN)/python docs/make_sensitivity.py docs
+
 setup: .venv/dev-installed
 
 clean:
-	rm -rf .venv videos dist build .*_cache
+	rm -rf .venv videos figures dist build .*_cache
 
 .venv/installed: pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "emovid needs Python 3.11 or newer: make PYTHON=python3.11 $(MAKECMDGOALS)")'

@@ -3,7 +3,10 @@
 import glob
 import hashlib
 import os
+import re
+import shutil
 import socket
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -12,6 +15,8 @@ from typing import IO
 from emovid.errors import EmovidError
 
 _SUFFIX = ".part"
+_LEFT = re.compile(r"\..+\.[^.].*-\d+\.part(\.former\.part)?")  # .NAME.HOST-PID.part
+_DAY = 86_400  # seconds
 
 
 @contextmanager
@@ -23,12 +28,7 @@ def whole_file(target: Path) -> Iterator[Path]:
     Raises:
         EmovidError: if the file cannot be written, with the system's reason.
     """
-    host = socket.gethostname()
-    stem = f".{target.name}.{host}-"
-    for left in target.parent.glob(f"{glob.escape(stem)}*{_SUFFIX}"):
-        if not _is_alive(left.name.removeprefix(stem).removesuffix(_SUFFIX)):
-            left.unlink(missing_ok=True)
-    part = target.with_name(f"{stem}{os.getpid()}{_SUFFIX}")
+    part = _part_beside(target)
     try:
         yield part
         with part.open("rb") as file:
@@ -37,8 +37,30 @@ def whole_file(target: Path) -> Iterator[Path]:
     except OSError as error:
         raise EmovidError(f"{target}: cannot be written: {reason(error)}") from None
     finally:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
+        _remove(part)
+
+
+@contextmanager
+def whole_folder(target: Path) -> Iterator[Path]:
+    """Give a new folder beside `target` to fill; on leaving without an error it takes the place of `target`.
+
+    A folder that is at `target` goes, with all that is in it. Raises as `whole_file`.
+    """
+    part = _part_beside(target)
+    former = part.with_name(f"{part.name}.former{_SUFFIX}")
+    try:
+        part.mkdir()
+        yield part
+        with suppress(FileNotFoundError):  # a full folder cannot be replaced in one step, as a file can
+            target.rename(former)
+        part.rename(target)
+    except OSError as error:
+        raise EmovidError(f"{target}: cannot be written: {reason(error)}") from None
+    finally:
+        if former.exists() and not target.exists():
+            former.rename(target)
+        _remove(part)
+        _remove(former)
 
 
 @contextmanager
@@ -46,6 +68,13 @@ def writing(target: Path) -> Iterator[IO[bytes]]:
     """Open a file that takes the place of `target` once it is written whole. Raises as `whole_file`."""
     with whole_file(target) as part, part.open("wb") as file:
         yield file
+
+
+def replace_if_changed(target: Path, data: bytes) -> None:
+    """Write a file whole, unless it says this already. Raises as `whole_file`."""
+    if not target.is_file() or target.read_bytes() != data:
+        with writing(target) as file:
+            file.write(data)
 
 
 def make_folder(folder: Path) -> None:
@@ -61,17 +90,55 @@ def make_folder(folder: Path) -> None:
 
 
 def file_digest(path: Path) -> str:
-    """Return the SHA-256 of a file."""
+    """Return the SHA-256 of a file; of a folder, that of the names and the SHA-256 of the files in it."""
     try:
+        if path.is_dir():
+            listed = "".join(f"{file_digest(inside)}  {inside.name}\n" for inside in sorted(path.iterdir()))
+            return hashlib.sha256(listed.encode()).hexdigest()
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:
         raise EmovidError(f"{path}: cannot be read: {reason(error)}") from None
 
 
+def clear_leftovers(folder: Path) -> None:
+    """Remove what killed processes have left unfinished in a folder, whatever it was to become."""
+    for left in folder.glob(f".*{_SUFFIX}"):
+        if _LEFT.fullmatch(left.name) and not is_written(left):
+            _remove(left)
+
+
+def is_written(left: Path) -> bool:
+    """Return whether the process that a hidden file is named after, as ``.NAME.HOST-PID.SUFFIX``, may still write it.
+
+    Whether a process of another machine lives cannot be seen from here: it does if it has written within a day.
+    """
+    _, ours, rest = left.name.rpartition(f".{socket.gethostname()}-")
+    if ours:
+        return _is_alive(rest.partition(".")[0])
+    try:
+        return time.time() - left.stat().st_mtime < _DAY
+    except OSError:  # it has just become what it was to be
+        return True
+
+
 def reason(error: OSError) -> str:
     """Return what the system says went wrong, in lower case."""
     return (error.strerror or str(error)).lower()
+
+
+def _part_beside(target: Path) -> Path:
+    """Return the path to write at in place of `target`, after removing what killed processes have left there."""
+    stem = f".{target.name}.{socket.gethostname()}-"
+    for left in target.parent.glob(f"{glob.escape(stem)}*{_SUFFIX}"):
+        if not is_written(left):
+            _remove(left)
+    return target.with_name(f"{stem}{os.getpid()}{_SUFFIX}")
+
+
+def _remove(path: Path) -> None:
+    with suppress(OSError):
+        shutil.rmtree(path) if path.is_dir() else path.unlink(missing_ok=True)
 
 
 def _is_alive(pid: str) -> bool:

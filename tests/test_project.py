@@ -13,6 +13,8 @@ import pytest
 import yaml
 from PIL import Image
 
+from emovid.measure.claims import CLAIMS
+
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
 PATH = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
@@ -49,6 +51,7 @@ def test_the_readme_s_commands_do_what_they_say(tmp_path) -> None:
             (tmp_path / target).write_text(done.stdout)
     made = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.*")}
     assert {"videos/anger.mp4", "videos/presentation_order.csv", "videos/my_scene.mp4", "out/fear.mp4"} <= made
+    assert {"out/surprise.gif", "fear.webm", "figures/densities.pdf", "figures/my_scene-frames.png"} <= made
     assert {"my_scene.yaml", "fear.npz", "fear.csv", "emovid.schema.json", "videos/manifest.json"} <= made
     assert {"responses.csv", "results/report.html", "results/results.json", "results/circumplex.pdf"} <= made
 
@@ -64,6 +67,10 @@ def test_the_rooms_of_the_readme_are_those_there_are() -> None:
     named = set(re.findall(r"^\| `([a-z/]+)/` ", README, re.MULTILINE))
     rooms = {f"emovid/{path.name}" for path in (ROOT / "emovid").iterdir() if (path / "__init__.py").is_file()}
     assert named == rooms | {"configs", "studies", "tests", "benchmarks"}
+
+
+def test_the_readme_counts_the_claims() -> None:
+    assert f"{len(CLAIMS)} claims" in README
 
 
 def test_the_picture_of_the_readme_is_what_the_scenes_look_like_now(tmp_path) -> None:

@@ -1,6 +1,6 @@
 """Options that several commands share, and the scene settings they make."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -50,9 +50,15 @@ def check_emotion(emotion: str) -> None:
 
 
 def settings(
-    pairs: Sequence[str] | None, seed: int | None = None, size: str | None = None, fps: int | None = None
+    pairs: Sequence[str] | None, seed: int | None = None, look: Mapping[str, object] | None = None
 ) -> "list[Setting]":
-    """Return the keys that options replace, the special ones last."""
+    """Return the keys that options replace, the special ones last.
+
+    Args:
+        pairs: as given to `--set`.
+        seed: of the scene.
+        look: keys of `video` that have an option of their own, with its value; None is not given.
+    """
     from emovid.scene.load import Setting
 
     made = []
@@ -61,9 +67,11 @@ def settings(
         if not equals or not key.strip():
             raise InputError(f"--set {pair}: expected KEY=VALUE, as in robot.l=0.002")
         made.append(Setting(key.strip(), value.strip(), f"--set {pair[:60]}"))
-    for key, option in (("seed", seed), ("video.size", size), ("video.fps", fps)):
+    if seed is not None:
+        made.append(Setting("seed", seed, f"--seed {seed}"))
+    for key, option in (look or {}).items():
         if option is not None:
-            made.append(Setting(key, option, f"--{key.removeprefix('video.')} {option}"))
+            made.append(Setting(f"video.{key}", option, f"--{key} {option}"))
     return made
 
 
@@ -80,12 +88,14 @@ def output_file(
         others: suffixes that clearly mean a file, but one we cannot write.
     """
     chosen = output or Path(default)
+    expected = f"{' or '.join(suffixes)}, or a folder" if suffixes else "a folder"
     if chosen.suffix.lower() in suffixes:
         if chosen.is_dir():
             raise InputError(f"-o {chosen}: is a folder; expected a file")
         return chosen
     if chosen.suffix.lower() in others and not chosen.is_dir():
-        raise InputError(f"-o {chosen}: cannot write {chosen.suffix}; expected {' or '.join(suffixes)}, or a folder")
+        raise InputError(f"-o {chosen}: cannot write {chosen.suffix}; expected {expected}")
     if chosen.exists() and not chosen.is_dir():
-        raise InputError(f"-o {chosen}: is a file; expected a folder, or a name that ends in {' or '.join(suffixes)}")
+        other = f", or a name that ends in {' or '.join(suffixes)}" if suffixes else ""
+        raise InputError(f"-o {chosen}: is a file; expected a folder{other}")
     return chosen / name

@@ -1,67 +1,98 @@
 """Progress on stderr: bars on a terminal, one plain line for each finished item elsewhere."""
 
+import itertools
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
-    from emovid.batch.manifest import Record
-    from emovid.batch.videos import Job, Reporter
+    from emovid.batch.job import Job, Record
+    from emovid.batch.make import Reporter
 
 
 class _Silent:
-    def advanced(self, job: "Job", frames: int) -> None:
+    def advanced(self, job: "Job", done: int, total: int) -> None:
         pass
 
-    def finished(self, job: "Job", entry: "Record", *, made: bool) -> None:
+    def finished(self, job: "Job", record: "Record", *, made: bool) -> None:
+        pass
+
+    def died(self, job: "Job", attempt: int) -> None:
         pass
 
 
 class _Lines:
-    """Says when a video is done."""
+    """Says when an item is done.
 
-    def __init__(self, total: int, say: Callable[[str], None]) -> None:
-        self.total, self.say = total, say
+    Args:
+        total: items.
+        say: a line.
+        each: whether to name the items that are up to date, too; else they are counted.
+    """
+
+    def __init__(self, total: int, say: Callable[[str], None], *, each: bool) -> None:
+        self.total, self.say, self.each = total, say, each
         self.done = self.made = 0
         self.started = time.perf_counter()
 
-    def advanced(self, job: "Job", frames: int) -> None:
+    def advanced(self, job: "Job", done: int, total: int) -> None:
         pass
 
-    def finished(self, job: "Job", entry: "Record", *, made: bool) -> None:
+    def finished(self, job: "Job", record: "Record", *, made: bool) -> None:
         self.done += 1
         self.made += made
-        self.say(f"[{self.done}/{self.total}] {job.target}: " + (f"{entry['frames']} frames" if made else "up to date"))
+        if made or self.each:
+            self.say(f"[{self.done}/{self.total}] {job.target}: {_result(record) if made else 'up to date'}")
+
+    def died(self, job: "Job", attempt: int) -> None:
+        self.say(f"{job.target}: its worker died, attempt {attempt}; another takes over")
 
     def close(self) -> None:
+        make, made = ("render", "rendered") if self.each else ("make", "made")
         if self.done == self.total and not self.made:
-            self.say("nothing to render: all is up to date")
+            self.say(f"nothing to {make}: all is up to date")
         elif self.made:
-            self.say(f"rendered {self.made} in {time.perf_counter() - self.started:.1f} s")
+            self.say(f"{made} {self.made} in {time.perf_counter() - self.started:.1f} s")
 
 
 class _Bars(_Lines):
-    """A bar for each video under way, and the lines above them."""
+    """A bar for the whole, one for each item under way, and the lines above them."""
 
-    def __init__(self, total: int, progress: "Progress") -> None:
-        super().__init__(total, lambda line: progress.console.print(line, highlight=False, markup=False))
+    def __init__(self, total: int, progress: "Progress", *, each: bool) -> None:
+        super().__init__(total, lambda line: progress.console.print(line, highlight=False, markup=False), each=each)
         self.progress = progress
+        self.whole = progress.add_task("all", total=total, visible=total > 1)
         self.tasks: dict[object, TaskID] = {}
 
-    def advanced(self, job: "Job", frames: int) -> None:
+    def advanced(self, job: "Job", done: int, total: int) -> None:
         if job.target not in self.tasks:
-            self.tasks[job.target] = self.progress.add_task(job.target.name, total=job.scene.frames)
-        self.progress.update(self.tasks[job.target], completed=frames)
+            self.tasks[job.target] = self.progress.add_task(job.target.name)
+        self.progress.update(self.tasks[job.target], completed=done, total=total)
 
-    def finished(self, job: "Job", entry: "Record", *, made: bool) -> None:
-        super().finished(job, entry, made=made)
+    def finished(self, job: "Job", record: "Record", *, made: bool) -> None:
+        super().finished(job, record, made=made)
+        self.progress.update(self.whole, completed=self.done)
+        self._remove(job)
+
+    def died(self, job: "Job", attempt: int) -> None:
+        super().died(job, attempt)
+        self._remove(job)
+
+    def _remove(self, job: "Job") -> None:
         if job.target in self.tasks:
             self.progress.remove_task(self.tasks.pop(job.target))
+
+
+def _result(record: "Record") -> str:
+    """Return the size of a result."""
+    known = ("frames", "samples", "descriptors")
+    what = next(key for key in known if key in record)
+    return f"{len(record[what]) if what == 'descriptors' else record[what]} {what}"
 
 
 def is_interactive() -> bool:
@@ -70,17 +101,17 @@ def is_interactive() -> bool:
 
 
 @contextmanager
-def reporter(jobs: "Sequence[Job]", *, quiet: bool) -> "Iterator[Reporter]":
-    """Give what reports on the making of videos."""
+def reporter(total: int, *, quiet: bool, each: bool = True) -> "Iterator[Reporter]":
+    """Give what reports on the making of so many items, those `each` named that are up to date."""
     if quiet:
         yield _Silent()
     elif is_interactive():
         with _progress() as progress:
-            bars = _Bars(len(jobs), progress)
+            bars = _Bars(total, progress, each=each)
             yield bars
         bars.close()
     else:
-        lines = _Lines(len(jobs), lambda line: print(line, file=sys.stderr, flush=True))
+        lines = _Lines(total, lambda line: print(line, file=sys.stderr, flush=True), each=each)
         yield lines
         lines.close()
 
@@ -94,6 +125,20 @@ def counting(what: str, *, quiet: bool) -> Iterator[Callable[[int, int], None] |
     with _progress() as progress:
         task = progress.add_task(what, total=None)
         yield lambda done, total: progress.update(task, completed=done, total=total)
+
+
+@contextmanager
+def listing(total: int, *, quiet: bool) -> Iterator[Callable[[str], None]]:
+    """Give what is told of each finished item: a bar that names it on a terminal, a plain line elsewhere."""
+    if quiet:
+        yield lambda _: None
+    elif is_interactive():
+        with _progress() as progress:
+            task = progress.add_task("", total=total)
+            yield lambda item: progress.update(task, advance=1, description=item)
+    else:
+        count = itertools.count(1)
+        yield lambda item: print(f"[{next(count)}/{total}] {item}", file=sys.stderr, flush=True)
 
 
 def _progress() -> "Progress":

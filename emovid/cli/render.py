@@ -9,18 +9,21 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from emovid.cli.options import Emotion, Force, Json, Quiet, Seed, Set, one_source, output_file, settings
-from emovid.errors import InputError
+from emovid.errors import EmovidError, InputError
 
 if TYPE_CHECKING:
-    from emovid.batch.videos import Job
+    from emovid.batch.job import Job
     from emovid.scene.load import Setting
+    from emovid.scene.video import FormatName
 
 FOLDER = "videos"
-_OTHER_VIDEOS = (".webm", ".gif", ".mov", ".mkv", ".avi", ".m4v", ".png", ".apng", ".webp")
+_OTHER_VIDEOS = (".mov", ".mkv", ".avi", ".m4v", ".png", ".apng", ".webp")
 
 Output = Annotated[
     Path | None,
-    typer.Option("--output", "-o", help="A folder, made if missing, or a file ending in .mp4.", show_default=FOLDER),
+    typer.Option(
+        "--output", "-o", help="A folder, made if missing, or a file in .mp4, .webm or .gif.", show_default=FOLDER
+    ),
 ]
 
 
@@ -42,6 +45,15 @@ def render(
         str | None, typer.Option(metavar="WxH", help="Pixels, as in 1920x1080.", show_default=False)
     ] = None,
     fps: Annotated[int | None, typer.Option(help="Frames per second; the motion stays.", show_default=False)] = None,
+    format: Annotated[
+        str | None,
+        typer.Option(help="mp4, webm, gif, or png-sequence: a folder of pictures.", show_default="as -o ends, or mp4"),
+    ] = None,
+    theme: Annotated[str | None, typer.Option(help="light or dark.", show_default=False)] = None,
+    overlays: Annotated[
+        list[str] | None,
+        typer.Option("--overlay", help="Also show density, cells, targets or clock.", show_default=False),
+    ] = None,
     jobs: Annotated[
         int | None, typer.Option("--jobs", "-j", min=1, help="Videos made at once.", show_default="one a core")
     ] = None,
@@ -53,13 +65,17 @@ def render(
 
     Examples: emovid render --emotion anger · emovid render --all --jobs 2 · emovid render my.yaml --set robot.l=0.002
     """
+    from emovid.batch.make import done_before, make_missing
     from emovid.batch.order import write_presentation_order
-    from emovid.batch.videos import make_videos
     from emovid.cli.progress import reporter
     from emovid.scene.emotions import EMOTIONS
-    from emovid.whole_files import make_folder
+    from emovid.scene.load import Setting
 
-    overrides = settings(assignments, seed, size, fps)
+    look = {"size": size, "fps": fps, "format": format or _format_of(output), "theme": theme}
+    overrides = [
+        *settings(assignments, seed, look),
+        *(Setting(f"video.overlays.{overlay}", True, f"--overlay {overlay}") for overlay in overlays or ()),
+    ]
     if every:
         if source or emotion:
             raise InputError("--all means the six emotions: no scene goes with it")
@@ -68,20 +84,23 @@ def render(
             raise InputError(f"-o {output}: is one file; expected a folder for six videos")
     else:
         work = [_job(one_source(source, emotion), output, overrides)]
-    for job in work:
-        make_folder(job.target.parent)
-    with reporter(work, quiet=quiet or as_json) as report:
-        records = make_videos(work, jobs or os.cpu_count() or 1, report, force=force)
+    with reporter(len(work), quiet=quiet or as_json) as report:
+        known = {} if force else done_before(work, report)
+        missing = [job for job in work if job.target not in known]
+        made = make_missing(missing, report, jobs or os.cpu_count() or 1)
+        if failures := list(made.failures.values()):
+            raise failures[0] if len(failures) == 1 else EmovidError("; ".join(map(str, failures)))
     if every:
         names = {str(job.scene.emotion): job.target.name for job in work}
         write_presentation_order(work[0].target.parent, names, seed or 0)
     if as_json:
-        typer.echo(json.dumps({"videos": {str(path): entry for path, entry in records.items()}}, indent=2))
+        records = known | made.records
+        typer.echo(json.dumps({"videos": {str(job.target): records[job.target] for job in work}}, indent=2))
 
 
 def _job(source: str, output: Path | None, overrides: "Sequence[Setting]") -> "Job":
     """Return the job for a scene or a run. All that can be wrong with it is found here, before anything is written."""
-    from emovid.batch.videos import Job
+    from emovid.batch.job import Job
     from emovid.scene.load import find_scene, load_scene
     from emovid.swarm.files import load_trajectory
     from emovid.swarm.simulate import check_start
@@ -91,4 +110,25 @@ def _job(source: str, output: Path | None, overrides: "Sequence[Setting]") -> "J
     if run is None:
         check_start(scene)
     stem = Path(source).stem if run else find_scene(source).stem
-    return Job(scene, output_file(output, f"{stem}.mp4", FOLDER, (".mp4",), _OTHER_VIDEOS), run)
+    return Job(scene, _target(output, stem, scene.video.format), run)
+
+
+def _format_of(output: Path | None) -> "FormatName | None":
+    """Return the format whose files end as the output does."""
+    from emovid.video.formats import FORMATS
+
+    suffixes = {made.suffix: name for name, made in FORMATS.items() if made.suffix}
+    return suffixes.get(output.suffix.lower()) if output and not output.is_dir() else None
+
+
+def _target(output: Path | None, stem: str, format: "FormatName") -> Path:
+    """Return the file, or the folder of pictures, that `-o` means for a scene."""
+    from emovid.video.encode import check_sequence
+    from emovid.video.formats import FORMATS
+
+    suffix = FORMATS[format].suffix
+    others = {made.suffix for made in FORMATS.values()} - {"", suffix}
+    target = output_file(output, stem + suffix, FOLDER, (suffix,) if suffix else (), (*sorted(others), *_OTHER_VIDEOS))
+    if not suffix:
+        check_sequence(target)
+    return target

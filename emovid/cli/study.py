@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from emovid.cli import kit
 from emovid.cli.options import Json, Quiet
 from emovid.errors import InputError
 
@@ -18,7 +19,10 @@ if TYPE_CHECKING:
 
 _SHOWN = 200  # rejected rows on the terminal; rejected.csv has all
 
-app = typer.Typer(help="Analyse a study, plan one, rehearse one.", no_args_is_help=True)
+app = typer.Typer(help="Analyse a study, plan one, rehearse one; make what it shows.", no_args_is_help=True)
+app.command()(kit.build)
+app.command()(kit.audit)
+app.command()(kit.export)
 
 Key = Annotated[
     Path | None, typer.Option("--key", help="CSV with video_code,true_emotion, for blinded codes.", show_default=False)
@@ -59,6 +63,7 @@ def analyze(
 
     Examples: emovid study analyze responses.csv · emovid study analyze exports/ --key key.csv --by gender -o results/
     """
+    from emovid.figures.study import study_figures
     from emovid.figures.style import encoded
     from emovid.study.outputs import result_files
     from emovid.study.report import report_html
@@ -72,7 +77,7 @@ def analyze(
         results, responses = _of_counts(counts, seed), None
     else:
         results, responses = _of_exports(sources or [], key, mapping, by or [], labels, seed)
-    figures = _figures(results)
+    figures = study_figures(results)
     pictures = {caption: ("svg+xml", encoded(figure, "svg")) for caption, figure in figures.values()}
     files = result_files(results, responses) | {"report.html": report_html(results, responses, pictures)}
     make_folder(output)
@@ -124,45 +129,6 @@ def _provenance(inputs: list[dict[str, Any]], key: Path | None, seed: int) -> di
 
     key_sha256 = file_digest(key) if key else None
     return {"inputs": inputs, "key_sha256": key_sha256, "version": version("emovid"), "seed": seed}
-
-
-def _figures(results: Mapping[str, Any]) -> "dict[str, tuple[str, Figure]]":
-    """Return the figures by file name, each with its caption."""
-    import numpy as np
-
-    from emovid.figures.accuracy import accuracy_figure
-    from emovid.figures.circumplex import POSITIONS, circumplex_figure
-    from emovid.figures.confusion import confusion_figure
-
-    counts, signalled, labels = np.array(results["counts"]), results["emotions"], results["labels"]
-    made = {
-        "confusion-matrix": ("Answers to each video: percent, and counts", confusion_figure(counts, signalled, labels))
-    }
-    if set(signalled) <= set(POSITIONS):
-        caption = "Answers on the valence-arousal plane; a bubble's diameter is proportional to the answers"
-        made["circumplex"] = (caption, circumplex_figure(counts, signalled, labels))
-    for column, levels in results["groups"].items():
-        if not levels:
-            continue
-        tables = [
-            [[_or_nan(block["recognition"][name][key]) for name in signalled] for block in levels.values()]
-            for key in ("rate", "ci_low", "ci_high")
-        ]
-        names = [f"{_level_name(column, level)} (n = {block['n_participants']})" for level, block in levels.items()]
-        rate, low, high = map(np.array, tables)
-        figure = accuracy_figure(rate, low, high, signalled, names, 1 / len(labels))
-        made[f"accuracy-{column.replace('_', '-')}"] = (f"Recognition by {column.replace('_', ' ')}", figure)
-    return made
-
-
-def _level_name(column: str, level: str) -> str:
-    """Return what a legend calls a level: "no robotics background" where the level itself is only "no"."""
-    name = column.replace("_", " ")
-    return {"yes": name, "no": f"no {name}"}.get(level.lower(), level)
-
-
-def _or_nan(value: float | None) -> float:
-    return float("nan") if value is None else value
 
 
 def _save_figures(figures: "Mapping[str, tuple[str, Figure]]", output: Path) -> None:

@@ -31,7 +31,14 @@ _BAR = 8.0  # least width of a bar in a figure of one column [pt]
 
 @in_style()
 def accuracy_figure(
-    rates: Rates, low: Rates, high: Rates, emotions: Sequence[str], levels: Sequence[str], chance: float
+    rates: Rates,
+    low: Rates,
+    high: Rates,
+    emotions: Sequence[str],
+    levels: Sequence[str],
+    chance: float,
+    *,
+    width: float = SINGLE_COLUMN,
 ) -> Figure:
     """Draw the share of right answers as bars, one for each level of a group beside the next, with intervals.
 
@@ -42,12 +49,13 @@ def accuracy_figure(
         emotions: labels of the videos.
         levels: what the legend calls the levels, such as "female (n = 13)".
         chance: share of right answers by guessing, drawn as a line.
+        width: of the figure [in]; two columns if its bars do not fit into that.
     """
     shape = (len(levels), len(emotions))
     if any(np.shape(table) != shape for table in (rates, low, high)):
         raise ValueError(f"rates and intervals are {[np.shape(table) for table in (rates, low, high)]}, not {shape}")
-    fits = len(emotions) * len(levels) * _BAR / _BARS <= SINGLE_COLUMN * POINTS - _BESIDE
-    width = SINGLE_COLUMN if fits and len(emotions) <= 8 else DOUBLE_COLUMN
+    fits = len(emotions) * len(levels) * _BAR / _BARS <= width * POINTS - _BESIDE
+    width = width if fits and len(emotions) <= 8 else DOUBLE_COLUMN
     figure = Figure(figsize=(width, 2.4), layout="constrained")
     axes = figure.add_subplot()
     _draw_bars(axes, levels, *(100 * np.asarray(table) for table in (rates, low, high)))

@@ -27,16 +27,21 @@ _EDGES = 26.0  # what ticks, the headings and margins take in either direction [
 
 @in_style()
 def confusion_figure(
-    counts: NDArray[np.int64], signalled: Sequence[str], perceived: Sequence[str] | None = None
+    counts: NDArray[np.int64],
+    signalled: Sequence[str],
+    perceived: Sequence[str] | None = None,
+    *,
+    width: float = SINGLE_COLUMN,
 ) -> Figure:
     """Draw how many participants gave each answer to each video: percent of the column, and counts in brackets.
 
-    Right answers are bold. A figure is one column wide where its cells fit into that, else two.
+    Right answers are bold.
 
     Args:
         counts: (perceived, signalled) answers.
         signalled: labels of the columns.
         perceived: labels of the rows, as "none" after those of the columns; the same as `signalled` if left out.
+        width: of the figure [in]; two columns if its cells do not fit into that.
     """
     rows = list(signalled if perceived is None else perceived)
     counts = np.asarray(counts)
@@ -44,7 +49,7 @@ def confusion_figure(
         raise ValueError(f"counts are {counts.shape}, labels {(len(rows), len(signalled))}")
     top, left = ([heading(label) for label in labels] for labels in (signalled, rows))
     needed = text_width(left) + _EDGES + _CELL_WIDTH * len(top)
-    width = SINGLE_COLUMN if needed <= SINGLE_COLUMN * POINTS else DOUBLE_COLUMN
+    width = width if needed <= width * POINTS else DOUBLE_COLUMN
     upright = text_width(top) > (width * POINTS - text_width(left) - _EDGES) / len(top) - 2
     above = text_width(top) * np.sin(np.pi / 4) + TEXT if upright else TEXT
     height = (len(left) * _CELL_HEIGHT + above + _EDGES) / POINTS
@@ -65,7 +70,9 @@ def _draw_cells(axes: Axes, counts: NDArray[np.int64], right: list[list[bool]]) 
     """Draw the cells on a scale from 0 to 100 % that is the same in every figure."""
     percent = percent_of_columns(counts)
     colours = matplotlib.colormaps["Blues"](np.nan_to_num(percent) / 100)
-    axes.imshow(colours, aspect="auto", interpolation="nearest")
+    rows, columns = counts.shape
+    axes.pcolormesh(np.arange(columns + 1) - 0.5, np.arange(rows + 1) - 0.5, colours)  # an image would have pixels
+    axes.invert_yaxis()
     for (i, j), count in np.ndenumerate(counts):
         share = "–" if np.isnan(percent[i, j]) else f"{percent[i, j]:.2f}".replace("100.00", "100")
         colour, weight = text_on(to_hex(tuple(colours[i, j]))), "bold" if right[i][j] else "normal"

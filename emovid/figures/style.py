@@ -50,6 +50,7 @@ _STYLE: Any = {
 }
 # What would differ between runs or machines is left out.
 _LEFT_OUT = {"pdf": "CreationDate", "png": "Software", "svg": "Date"}
+FORMATS = tuple(_LEFT_OUT)
 
 
 @contextmanager

@@ -6,6 +6,8 @@ from pydantic import Field
 
 from emovid.scene.fields import MAX_LENGTH, ORIGIN, Keys, Length, Point
 
+MAX_PARTS = 64
+
 
 class ContourKeys(Keys):
     """What the laws of all contours have."""
@@ -81,6 +83,41 @@ class Gaussian(Keys):
     sigma: Length = Field(description="standard deviation [m]")
 
 
+class Image(Keys):
+    """A density drawn by hand: a grey-scale picture over the upright rectangle around the stage."""
+
+    kind: Literal["image"] = Field(description="a picture: darker is denser, white is nothing")
+    file: Annotated[str, Field(min_length=1, max_length=1000)] = Field(
+        description="the picture, a PNG; where it is, from the scene's file"
+    )
+    smoothing: Length = Field(description="standard deviation of the Gaussian that it is smoothed with [m]")
+    pixels: str | None = Field(None, description="what was read from the file, kept with the scene; null: it is read")
+
+
+Basic = Uniform | Boundary | Gaussian | Image
+
+
+class Part(Keys):
+    """One density of a sum."""
+
+    weight: Annotated[float, Field(gt=0, le=1e6)] = Field(
+        1.0, description="that it is multiplied with; uniform is 1, as are a peak, the crest of a ridge and black"
+    )
+    density: Annotated[Basic, Field(discriminator="kind")] = Field(description="any but a sum")
+
+
+class Sum(Keys):
+    """Several densities at once."""
+
+    kind: Literal["sum"] = Field(description="several densities, added")
+    parts: Annotated[tuple[Part, ...], Field(strict=False, min_length=1, max_length=MAX_PARTS)] = Field(
+        description="what is added"
+    )
+
+
+AnyDensity = Basic | Sum
+
+
 class Coverage(Keys):
     """Fear, disgust and anger, Appendix A: each robot heads for the centroid of its Voronoi cell."""
 
@@ -89,9 +126,7 @@ class Coverage(Keys):
     u_max: Annotated[float, Field(gt=0, le=1000)] | None = Field(
         None, description="cap on |u| [m/s]; null is the paper's law without one"
     )
-    density: Annotated[Uniform | Boundary | Gaussian, Field(discriminator="kind")] = Field(
-        description="where the robots gather"
-    )
+    density: Annotated[AnyDensity, Field(discriminator="kind")] = Field(description="where the robots gather")
     separation: Annotated[float, Field(ge=0, le=1)] | None = Field(
         None,
         description="clearance [m] kept between bodies: v is cut where the body would leave its own Voronoi cell; "

@@ -28,14 +28,15 @@ _KINDS = {
 }
 
 
-def complaint(error: ValidationError, places: Places) -> SceneError:
+def complaint(error: ValidationError, places: Places, root: type[BaseModel] = Scene) -> SceneError:
     """Return the first problem, by the line it stands on, as a `SceneError`.
 
     Args:
-        error: from validating a `Scene`.
+        error: from validating a `root`.
         places: of the keys.
+        root: the whole that was validated.
     """
-    found = [(item["type"] == "missing", *_problem(item)) for item in error.errors(include_url=False)]
+    found = [(item["type"] == "missing", *_problem(item, root)) for item in error.errors(include_url=False)]
     placed = [(missing, place_of(path, places), path, message) for missing, path, message in found]
     # A misspelt key is a missing one too, on the line of its group: the misspelling says more.
     _, where, path, message = min(placed, key=lambda problem: (problem[0], _line(problem[1])))
@@ -47,19 +48,19 @@ def _line(where: str) -> int:
     return int(number) if number.isdigit() else 0
 
 
-def _problem(item: Mapping[str, Any]) -> tuple[KeyPath, str]:
+def _problem(item: Mapping[str, Any], root: type[BaseModel]) -> tuple[KeyPath, str]:
     """Return the path in the scene and the message of one pydantic error."""
     kind, given, context = item["type"], item["input"], item.get("ctx", {})
-    path = _walk(item["loc"])[0]
+    path = _walk(item["loc"], root)[0]
     if kind == "inconsistent":
         return key_path(context["key"]), context["message"]
     if kind == "extra_forbidden":
-        return path, f"unknown key{_known_key(item['loc'], path)}"
+        return path, f"unknown key{_known_key(item['loc'], path, root)}"
     if kind == "missing":
-        return path, f"missing ({_description(item['loc'])})"
+        return path, f"missing ({_description(item['loc'], root)})"
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         key = context["discriminator"].strip("'")
-        expected = _tags(item["loc"], key)
+        expected = _tags(item["loc"], key, root)
         if kind == "union_tag_not_found":
             return (*path, key), f"missing; expected {_one_of(expected)}"
         return (*path, key), _wrong_word(given[key], expected)
@@ -78,6 +79,8 @@ def _expected(kind: str, path: KeyPath, context: Mapping[str, Any], message: str
         return "width x height in pixels, as in 1280x720"
     if kind == "too_short":
         return f"at least {context['min_length']}"
+    if kind == "too_long":
+        return f"at most {context['max_length']}"
     return _KINDS.get(kind, message)
 
 
@@ -88,6 +91,8 @@ def _shown(value: Any) -> str:
         return str(value).lower()
     if isinstance(value, dict):
         return "a group of keys"
+    if isinstance(value, list) and any(isinstance(item, dict) for item in value):
+        return f"a list of {len(value)}"
     text = repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
 
@@ -101,22 +106,22 @@ def _wrong_word(given: Any, expected: list[str]) -> str:
     return f"{_shown(given)}: expected {_one_of(expected)}{hint}"
 
 
-def _known_key(loc: KeyPath, path: KeyPath) -> str:
-    known = [name for model in _models_at(loc[:-1]) for name in model.model_fields]
+def _known_key(loc: KeyPath, path: KeyPath, root: type[BaseModel]) -> str:
+    known = [name for model in _models_at(loc[:-1], root) for name in model.model_fields]
     parents = "".join(f"{part}." for part in path[:-1])
     hint = nearest(str(path[-1]), known)
     return hint.replace("mean ", f"mean {parents}") if hint else f"; expected {_one_of(known)}"
 
 
-def _description(loc: KeyPath) -> str:
-    for model in _models_at(loc[:-1]):
+def _description(loc: KeyPath, root: type[BaseModel]) -> str:
+    for model in _models_at(loc[:-1], root):
         if field := model.model_fields.get(str(loc[-1])):
             return str(field.description)
     return "a value"
 
 
-def _tags(loc: KeyPath, discriminator: str) -> list[str]:
-    models = _models_at(loc)
+def _tags(loc: KeyPath, discriminator: str, root: type[BaseModel]) -> list[str]:
+    models = _models_at(loc, root)
     return list(dict.fromkeys(_literal(model, discriminator) for model in models))
 
 
@@ -124,18 +129,18 @@ def _literal(model: type[BaseModel], field: str) -> str:
     return str(get_args(model.model_fields[field].annotation)[0])
 
 
-def _models_at(loc: KeyPath) -> list[type[BaseModel]]:
+def _models_at(loc: KeyPath, root: type[BaseModel]) -> list[type[BaseModel]]:
     """Return the models that a pydantic location may stand for: several at a union, one behind its tags."""
-    return _walk(loc)[1]
+    return _walk(loc, root)[1]
 
 
-def _walk(loc: KeyPath) -> tuple[KeyPath, list[type[BaseModel]]]:
-    """Follow a pydantic location from `Scene`: its path without the tags of unions, and the models it leads to."""
-    models: list[type[BaseModel]] = [Scene]
+def _walk(loc: KeyPath, root: type[BaseModel]) -> tuple[KeyPath, list[type[BaseModel]]]:
+    """Follow a pydantic location from `root`: its path without the tags of unions, and the models it leads to."""
+    models: list[type[BaseModel]] = [root]
     path: list[str | int] = []
     for part in loc:
         if len(models) > 1:  # at a union, pydantic names the tag that it chose
-            models = [model for model in models if part in _all_literals(model)]
+            models = [model for model in models if part in (model.__name__, *_literals_of(model))]
             continue
         path.append(part)
         if isinstance(part, str) and models and part in models[0].model_fields:
@@ -143,7 +148,7 @@ def _walk(loc: KeyPath) -> tuple[KeyPath, list[type[BaseModel]]]:
     return tuple(path), models
 
 
-def _all_literals(model: type[BaseModel]) -> set[str]:
+def _literals_of(model: type[BaseModel]) -> set[str]:
     fields = model.model_fields.values()
     return {get_args(field.annotation)[0] for field in fields if get_origin(field.annotation) is Literal}
 

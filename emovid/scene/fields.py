@@ -3,6 +3,7 @@
 from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
+from pydantic_core import PydanticCustomError
 
 # Beyond these a number is a slip: a stage of a football pitch, a run of more than a day.
 MAX_LENGTH = 100.0  # m
@@ -24,8 +25,13 @@ class Keys(BaseModel):
 class Point(Keys):
     """A place on the stage."""
 
-    x: Coordinate = Field(description="metres from the stage's centre, to the right")
-    y: Coordinate = Field(description="metres from the stage's centre, upwards")
+    x: Coordinate = Field(description="metres to the right of the origin, which is a rectangular stage's centre")
+    y: Coordinate = Field(description="metres above the origin, which is a rectangular stage's centre")
 
 
 ORIGIN = Point(x=0.0, y=0.0)
+
+
+def inconsistent(key: str, message: str) -> PydanticCustomError:
+    """Return the error, for a validator to raise, of what is wrong with a dotted key beyond its own bounds."""
+    return PydanticCustomError("inconsistent", "{message}", {"key": key, "message": message})

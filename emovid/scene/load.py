@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Iterable
+from copy import deepcopy
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,10 +12,11 @@ from pydantic import ValidationError
 
 from emovid import yaml_text
 from emovid.errors import SceneError, nearest
-from emovid.places import KeyPath, key_path
+from emovid.places import KeyPath, Places, key_path
 from emovid.scene.complaints import complaint
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.model import Scene
+from emovid.scene.picture import read_pictures
 from emovid.whole_files import reason
 
 MAX_BYTES = 32_000_000  # a scene that lists the poses of 100 000 robots has 5 MB
@@ -45,7 +47,7 @@ def load_scene(source: str | Path, settings: Iterable[Setting] = ()) -> Scene:
         SceneError: for a file that cannot be read or a scene that cannot be meant, with file, line and key.
     """
     path = find_scene(source)
-    return parse_scene(_read(path), str(path), settings)
+    return parse_scene(_read(path), str(path), settings, path.parent)
 
 
 def find_scene(source: str | Path) -> Path:
@@ -69,14 +71,33 @@ def shipped_scene(emotion: str) -> Path:
     return folder / f"{emotion}.yaml"
 
 
-def parse_scene(text: str, where: str, settings: Iterable[Setting] = ()) -> Scene:
-    """Return the scene in `text`; `where` names it in messages. See `load_scene`."""
-    data, places = yaml_text.read_yaml(text, where)
-    if not isinstance(data, dict):
-        raise SceneError(where, "", "not a scene: expected keys such as emotion, behaviour, robot")
+def parse_scene(text: str, where: str, settings: Iterable[Setting] = (), folder: Path = Path()) -> Scene:
+    """Return the scene in `text`; `where` names it in messages, pictures are found from `folder`. See `load_scene`."""
+    return scene_of(*_keys(text, where), settings, folder)
+
+
+def scene_keys(source: str | Path) -> tuple[dict[str, Any], Places, Path]:
+    """Return the keys of a scene's file as plain values, valid or not, their places, and the file. See `load_scene`."""
+    path = find_scene(source)
+    return *_keys(_read(path), str(path)), path
+
+
+def scene_of(keys: dict[str, Any], known: Places, settings: Iterable[Setting] = (), folder: Path = Path()) -> Scene:
+    """Return the scene of plain values, as `scene_keys` gives them; they stay as they are.
+
+    Args:
+        keys: the values.
+        known: the places of the keys.
+        settings: keys to replace, in order.
+        folder: that pictures are found from.
+
+    Raises:
+        SceneError: as `load_scene`.
+    """
+    data, places = deepcopy(keys), dict(known)
     for setting in settings:
         _apply(setting, data, places)
-
+    read_pictures(data, folder, places)
     try:
         scene = Scene.model_validate(data)
     except ValidationError as error:
@@ -94,6 +115,13 @@ def scene_digest(scene: Scene) -> str:
     """Return the SHA-256 of the resolved scene: equal for scenes that mean the same, whatever their comments."""
     canonical = json.dumps(scene.resolved(), sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(canonical.encode()).hexdigest()
+
+
+def _keys(text: str, where: str) -> tuple[dict[str, Any], Places]:
+    data, places = yaml_text.read_yaml(text, where)
+    if not isinstance(data, dict):
+        raise SceneError(where, "", "not a scene: expected keys such as emotion, behaviour, robot")
+    return data, places
 
 
 def _read(path: Path) -> str:

@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from typing import Annotated, Any, Self
 
 from pydantic import Field, PrivateAttr, model_validator
-from pydantic_core import PydanticCustomError
 
 from emovid.errors import SceneError
 from emovid.places import Places, key_path, place_of
 from emovid.scene.behaviour import (
+    AnyDensity,
     Behaviour,
     Boundary,
     CircularSinusoid,
@@ -20,22 +20,20 @@ from emovid.scene.behaviour import (
     Coverage,
     ExpandingCircle,
     Gaussian,
-    Uniform,
+    Image,
+    Sum,
 )
 from emovid.scene.emotions import EmotionName
-from emovid.scene.fields import MAX_DURATION, MAX_ROBOTS, Keys, Length
+from emovid.scene.fields import MAX_DURATION, MAX_ROBOTS, Keys, Point, inconsistent
+from emovid.scene.picture import picture_of
 from emovid.scene.robots import MIN_L, Limits, Robot
-from emovid.scene.start import AtPoses, AtRandom, InRegion, OnContour, Region, Start
-from emovid.scene.video import MAX_SIDE, MIN_SIDE, Video
+from emovid.scene.stage import Stage
+from emovid.scene.start import AtPoses, AtRandom, InRegion, OnContour, Start
+from emovid.scene.video import MAX_GIF_FPS, MAX_SIDE, MIN_SIDE, Video
 
 MAX_POSES = 200_000_000  # robots times control periods held in memory: 24 h of 77 robots at 30 Hz
-
-
-class Stage(Keys):
-    """The rectangle the robots move in, its centre the origin of all coordinates."""
-
-    width: Length = Field(description="extent along x [m]")
-    height: Length = Field(description="extent along y [m]")
+_ROUNDING = 1e-9  # m
+_CIRCLE = "the radius of the largest circle on the stage"
 
 
 class Scene(Keys):
@@ -45,7 +43,7 @@ class Scene(Keys):
     behaviour: Behaviour = Field(description="the law that every robot follows")
     robot: Robot = Field(description="the robot and how it follows the law")
     robots: Annotated[int, Field(ge=1, le=MAX_ROBOTS)] = Field(description="how many")
-    stage: Stage = Field(description="the rectangle they move in")
+    stage: Stage = Field(description="what they move in: width and height, or corners")
     start: Start = Field(description="where they are at t = 0")
     control_period: Annotated[float, Field(gt=0, le=60)] = Field(
         description="how long a command is held [s]; apart from the video's frame rate"
@@ -57,7 +55,7 @@ class Scene(Keys):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         for key, message in _faults(self):
-            raise PydanticCustomError("inconsistent", "{message}", {"key": key, "message": message})
+            raise inconsistent(key, message)
         return self
 
     # Where each key was written, for faults that only the simulator can find (robots that do not fit).
@@ -84,6 +82,8 @@ class Scene(Keys):
 def _faults(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield (key, message) for what no key shows alone."""
     yield from _video_faults(scene.video)
+    if scene.video.overlays.density and not isinstance(scene.behaviour, Coverage):
+        yield "video.overlays.density", f"true: a {scene.behaviour.law} behaviour has no density to show"
     yield from _robot_faults(scene)
     yield from _behaviour_faults(scene)
     yield from _start_faults(scene)
@@ -99,6 +99,10 @@ def _video_faults(video: Video) -> Iterator[tuple[str, str]]:
     for side in (video.width, video.height):
         if side % 2 or not MIN_SIDE <= side <= MAX_SIDE:
             yield "video.size", f"{video.size}: expected two even numbers from {MIN_SIDE} to {MAX_SIDE}, as in 1280x720"
+    if video.format == "gif" and video.fps > MAX_GIF_FPS:
+        yield "video.fps", f"{video.fps}: expected at most {MAX_GIF_FPS} in a gif: browsers show a faster one slowly"
+    if video.trails.fade and video.trails.seconds is None:
+        yield "video.trails.fade", "true: a trail that stays for ever cannot fade; expected a number for seconds"
 
 
 def _robot_faults(scene: Scene) -> Iterator[tuple[str, str]]:
@@ -111,8 +115,8 @@ def _robot_faults(scene: Scene) -> Iterator[tuple[str, str]]:
         yield "robot.limits", "empty: expected v_max, omega_max or wheel_max, or null for no limits"
     if robot.limits is not None and robot.limits.wheel_max is not None and not body.wheel_base:
         yield "robot.limits.wheel_max", f"a {robot.model} has no wheels"
-    if min(scene.stage.width, scene.stage.height) <= 2 * body.radius:
-        yield "stage", f"{_rectangle(scene.stage)}: a {robot.model} of {_mm(2 * body.radius)} does not fit in"
+    if scene.stage.inradius <= body.radius:
+        yield "stage", f"{scene.stage}: a {robot.model} of {_mm(2 * body.radius)} does not fit in"
 
 
 def _behaviour_faults(scene: Scene) -> Iterator[tuple[str, str]]:
@@ -122,7 +126,8 @@ def _behaviour_faults(scene: Scene) -> Iterator[tuple[str, str]]:
     if isinstance(law, ExpandingCircle) and law.R_max <= law.R_min:
         yield "behaviour.R_max", f"{law.R_max:g}: expected more than R_min, {law.R_min:g}"
     if isinstance(law, ContourKeys):
-        room = min(stage.width / 2 - abs(law.centre.x), stage.height / 2 - abs(law.centre.y))
+        yield from _centre_faults("behaviour.centre", law.centre, stage)
+        room = stage.room(law.centre.x, law.centre.y)
         if law.extent + radius > room:
             key = "R_max" if isinstance(law, ExpandingCircle) else "R"
             yield (
@@ -132,49 +137,68 @@ def _behaviour_faults(scene: Scene) -> Iterator[tuple[str, str]]:
                     f"{_mm(radius)}, and the edge is {room:g} m away"
                 ),
             )
-    if isinstance(law, Coverage) and isinstance(law.density, Gaussian):
-        centre = law.density.centre
-        if abs(centre.x) > stage.width / 2 or abs(centre.y) > stage.height / 2:
-            yield (
-                "behaviour.density.centre",
-                f"({centre.x:g}, {centre.y:g}) is outside the stage of {_rectangle(stage)}",
-            )
-    side = min(stage.width, stage.height)
-    if isinstance(law, Coverage) and isinstance(law.density, Boundary) and law.density.inset > side / 2:
-        yield "behaviour.density.inset", f"{law.density.inset:g}: expected at most half the stage's smaller side"
-    if isinstance(law, Coverage) and not isinstance(law.density, Uniform):
-        key, scale = ("sigma", law.density.sigma) if isinstance(law.density, Gaussian) else ("width", law.density.width)
-        if scale < side / 100:  # its integrals would take for ever, and its peak could not be seen
-            yield f"behaviour.density.{key}", f"{scale:g}: expected at least a hundredth of the stage's smaller side"
+    if isinstance(law, Coverage):
+        yield from _density_faults("behaviour.density", law.density, stage)
+
+
+def _density_faults(key: str, density: AnyDensity, stage: Stage) -> Iterator[tuple[str, str]]:
+    # Of finer ones the integrals would take for ever, and a peak could not be seen; a picture is many peaks.
+    match density:
+        case Sum():
+            for i, part in enumerate(density.parts):
+                yield from _density_faults(f"{key}.parts.{i}.density", part.density, stage)
+        case Gaussian():
+            yield from _centre_faults(f"{key}.centre", density.centre, stage)
+            yield from _scale_faults(f"{key}.sigma", density.sigma, stage, 50, "a fiftieth")
+        case Boundary():
+            if density.inset > stage.inradius:
+                yield f"{key}.inset", f"{density.inset:g}: expected at most {stage.inradius:g}, {_CIRCLE}"
+            yield from _scale_faults(f"{key}.width", density.width, stage, 50, "a fiftieth")
+        case Image():
+            yield from _picture_faults(key, density)
+            yield from _scale_faults(f"{key}.smoothing", density.smoothing, stage, 20, "a twentieth")
+
+
+def _scale_faults(key: str, scale: float, stage: Stage, parts: int, share: str) -> Iterator[tuple[str, str]]:
+    if scale < stage.inradius / parts:
+        yield key, f"{scale:g}: expected at least {stage.inradius / parts:g}, {share} of {_CIRCLE}"
+
+
+def _picture_faults(key: str, density: Image) -> Iterator[tuple[str, str]]:
+    picture = picture_of(density.pixels) if density.pixels else None
+    if picture is None:
+        yield f"{key}.pixels", "not what was read from a picture; expected null, so that the file is read"
+    elif not picture.is_dark:
+        yield f"{key}.file", f"{density.file}: white all over; expected something darker"
+
+
+def _centre_faults(key: str, centre: Point, stage: Stage) -> Iterator[tuple[str, str]]:
+    if stage.room(centre.x, centre.y) < -_ROUNDING:
+        yield key, f"({centre.x:g}, {centre.y:g}) is outside the stage of {stage}"
 
 
 def _start_faults(scene: Scene) -> Iterator[tuple[str, str]]:
     start, stage, radius = scene.start, scene.stage, scene.robot.body.radius
-    half_width, half_height = stage.width / 2 - radius, stage.height / 2 - radius
     if isinstance(start, OnContour) and isinstance(scene.behaviour, Coverage):
         yield "start.place", "contour: a coverage behaviour has none; expected stage, region or poses"
     if isinstance(start, AtRandom) and start.min_spacing is not None and start.min_spacing < 2 * radius:
         yield "start.min_spacing", f"{start.min_spacing:g}: expected at least the robot's size, {2 * radius:.4f}"
     if isinstance(start, InRegion):
-        region, centre = start.region, start.region.centre
-        if abs(centre.x) + region.width / 2 > half_width or abs(centre.y) + region.height / 2 > half_height:
+        region, x, y = start.region, start.region.centre.x, start.region.centre.y
+        if min(stage.room(*corner) for corner in region.corners) < radius - _ROUNDING:
             yield (
                 "start.region",
                 (
-                    f"{_rectangle(region)} at ({centre.x:g}, {centre.y:g}) leaves the stage of {_rectangle(stage)} "
-                    f"less a body of radius {_mm(radius)}"
+                    f"{region.width:g} m x {region.height:g} m at ({x:g}, {y:g}) leaves the stage of {stage} less a "
+                    f"body of radius {_mm(radius)}"
                 ),
             )
     if isinstance(start, AtPoses):
         if len(start.poses) != scene.robots:
             yield "start.poses", f"{len(start.poses)} poses for {scene.robots} robots"
         for i, pose in enumerate(start.poses):
-            if abs(pose.x) > half_width or abs(pose.y) > half_height:
+            if stage.room(pose.x, pose.y) < radius - _ROUNDING:
                 yield f"start.poses.{i}", f"({pose.x:g}, {pose.y:g}): the body is not on the stage"
-
-
-def _rectangle(of: Stage | Region) -> str:
-    return f"{of.width:g} m x {of.height:g} m"
 
 
 def _mm(length: float) -> str:

@@ -4,14 +4,13 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from emovid.scene.fields import ORIGIN, Coordinate, Keys, Length, Point
+from emovid.scene.convex import Outline
+from emovid.scene.fields import ORIGIN, Keys, Length, Point
 
 
-class Pose(Keys):
+class Pose(Point):
     """A place and a direction."""
 
-    x: Coordinate = Field(description="metres from the stage's centre, to the right")
-    y: Coordinate = Field(description="metres from the stage's centre, upwards")
     heading: Annotated[float, Field(ge=-1000, le=1000)] = Field(0.0, description="radians, counter-clockwise from x")
 
 
@@ -21,6 +20,12 @@ class Region(Keys):
     centre: Point = Field(ORIGIN, description="its centre [m]")
     width: Length = Field(description="extent along x [m]")
     height: Length = Field(description="extent along y [m]")
+
+    @property
+    def corners(self) -> Outline:
+        """Its corners (x, y) [m]."""
+        x, y, half_width, half_height = self.centre.x, self.centre.y, self.width / 2, self.height / 2
+        return tuple((x + i * half_width, y + j * half_height) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1)))
 
 
 class OnContour(Keys):

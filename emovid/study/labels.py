@@ -79,6 +79,10 @@ class Labels:
         """Return whether a cell holds one of the labels."""
         return bool(self.find(text))
 
+    def words(self) -> Mapping[str, str]:
+        """Return the label that each known word stands for, words as in `plain`."""
+        return self._words
+
 
 def plain(text: str) -> str:
     """Return text in lower case, with one space for each run of other marks than letters and digits."""

@@ -7,7 +7,7 @@ line is known in closed form, and the largest v that keeps the centre behind eve
 import numpy as np
 from scipy.spatial import cKDTree
 
-from emovid.scene.model import Stage
+from emovid.scene.stage import Stage
 from emovid.swarm.arrays import Array
 
 _ROUNDING = 1e-12  # m
@@ -23,12 +23,18 @@ def share_on_stage(poses: Array, commands: Array, seconds: float, stage: Stage, 
         stage: to stay on.
         radius: of a body [m].
     """
-    shares = [
-        _fitting_share(poses, commands, seconds, np.full(len(poses), facing), half - radius - sign * poses[:, axis])
-        for axis, half in ((0, stage.width / 2), (1, stage.height / 2))
-        for sign, facing in ((1, axis * np.pi / 2), (-1, axis * np.pi / 2 + np.pi))
-    ]
+    shares = []
+    for x, y, offset in stage.edges:
+        # From 0 to 2 pi: another turn of the circle would change the last digit.
+        facing = np.full(len(poses), np.mod(np.arctan2(y, x), 2 * np.pi))
+        slack = offset - radius - (x * poses[:, 0] + y * poses[:, 1])
+        shares.append(_fitting_share(poses, commands, seconds, facing, slack))
     return np.min(shares, axis=0)
+
+
+def room_on_stage(points: Array, stage: Stage) -> Array:
+    """Return the radius (N,) [m] of the largest disc about each point (N, 2) that is on the stage; < 0 off it."""
+    return np.min([offset - (x * points[:, 0] + y * points[:, 1]) for x, y, offset in stage.edges], axis=0)
 
 
 def share_apart(poses: Array, commands: Array, seconds: float, radius: float, clearance: float) -> Array:

@@ -4,13 +4,17 @@ Each is smooth inside the stage, so that its integrals over Voronoi cells conver
 """
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from emovid.scene.behaviour import Boundary, Gaussian, Uniform
-from emovid.scene.model import Stage
+from emovid.scene.behaviour import AnyDensity, Boundary, Gaussian, Image, Sum, Uniform
+from emovid.scene.picture import picture_of
+from emovid.scene.stage import Stage
 from emovid.swarm.arrays import Array
+
+_BEYOND = 5  # cells that a picture goes on past its edges: as many standard deviations
 
 
 class Density(NamedTuple):
@@ -25,7 +29,7 @@ class Density(NamedTuple):
     scale: float
 
 
-def density_of(density: Uniform | Boundary | Gaussian, stage: Stage) -> Density:
+def density_of(density: AnyDensity, stage: Stage) -> Density:
     """Return the density that a scene names."""
     match density:
         case Uniform():
@@ -34,6 +38,10 @@ def density_of(density: Uniform | Boundary | Gaussian, stage: Stage) -> Density:
             return _gaussian(density)
         case Boundary():
             return _boundary(density, stage)
+        case Image():
+            return _image(density, stage)
+        case Sum():
+            return _sum(density, stage)
 
 
 def _gaussian(density: Gaussian) -> Density:
@@ -43,16 +51,67 @@ def _gaussian(density: Gaussian) -> Density:
 
 
 def _boundary(density: Boundary, stage: Stage) -> Density:
-    """The sum over the four edges of exp(-(d - inset)^2 / 2 width^2), d the distance from the edge: disgust's.
+    """The sum over the edges of exp(-(d - inset)^2 / 2 width^2), d the distance from the edge's line: disgust's.
 
-    A sum, not the distance from the nearest edge, since that has creases along the diagonals. The paper draws the
-    density without a formula (Fig. 16b).
+    A sum, not the distance from the nearest edge, since that has creases where two edges are as near. The paper draws
+    the density, on a rectangle, without a formula (Fig. 16b).
     """
     factor = -0.5 / density.width**2
-    x_crest, y_crest = stage.width / 2 - density.inset, stage.height / 2 - density.inset
+    crests = [(edge.x, edge.y, edge.offset - density.inset) for edge in stage.edges]
 
     def phi(x: Array, y: Array) -> Array:
-        ridges = ((x, x_crest), (x, -x_crest), (y, y_crest), (y, -y_crest))
-        return sum((np.exp(factor * (along - crest) ** 2) for along, crest in ridges), np.zeros_like(x))
+        ridges = (np.exp(factor * (n_x * x + n_y * y - crest) ** 2) for n_x, n_y, crest in crests)
+        return sum(ridges, np.zeros_like(x))
 
     return Density(phi, density.width)
+
+
+def _sum(density: Sum, stage: Stage) -> Density:
+    parts = [(part.weight, density_of(part.density, stage)) for part in density.parts]
+
+    def phi(x: Array, y: Array) -> Array:
+        return sum((weight * part.phi(x, y) for weight, part in parts), np.zeros_like(x))
+
+    return Density(phi, min(part.scale for _, part in parts))
+
+
+@lru_cache(maxsize=8)  # a law asks for its density in every period
+def _image(density: Image, stage: Stage) -> Density:
+    """A picture over the upright rectangle around the stage, 1 where it is black and 0 where it is white, smoothed.
+
+    It is averaged to cells no larger than the smoothing s, and each cell is a peak of standard deviation s: peaks one s
+    apart add up to a constant within 1e-8. So it is as smooth as a single peak is, which pixels and straight lines
+    between them are not, and its integrals are as exact. Beyond the rectangle it goes on as it is at its edge.
+    """
+    assert density.pixels is not None  # a valid scene has read its picture
+    picture = picture_of(density.pixels)
+    assert picture is not None
+    left, bottom, right, top = stage.box
+    grey = np.frombuffer(picture.values, np.uint8).reshape(picture.height, picture.width)
+    dark = 1 - grey[::-1].T / 255  # x, then y upwards
+    columns, rows = (int(np.ceil(extent / density.smoothing)) for extent in (right - left, top - bottom))
+    cells = _averaging(columns, picture.width) @ dark @ _averaging(rows, picture.height).T
+    area = (right - left) / columns * (top - bottom) / rows
+    weights = np.pad(cells, _BEYOND, mode="edge") * area / (2 * np.pi * density.smoothing**2)
+    x_peaks, y_peaks = _middles(left, right, columns), _middles(bottom, top, rows)
+    factor = -0.5 / density.smoothing**2
+
+    def phi(x: Array, y: Array) -> Array:
+        along_x = np.exp(factor * (x.reshape(-1, 1) - x_peaks) ** 2)
+        along_y = np.exp(factor * (y.reshape(-1, 1) - y_peaks) ** 2)
+        return np.sum(along_x @ weights * along_y, axis=1).reshape(x.shape)
+
+    return Density(phi, density.smoothing)
+
+
+def _middles(low: float, high: float, cells: int) -> Array:
+    """Return the middles of equal cells from `low` to `high`, and of `_BEYOND` more at both ends."""
+    return low + (high - low) / cells * np.arange(0.5 - _BEYOND, cells + _BEYOND, dtype=float)
+
+
+def _averaging(cells: int, pixels: int) -> Array:
+    """Return the matrix (cells, pixels) that averages pixels in a row to equal cells over the same length."""
+    cuts = np.arange(cells + 1) / cells * pixels
+    before = np.clip(cuts[:, None] - np.arange(pixels), 0.0, 1.0)  # share of each pixel before each cut
+    shares: Array = np.diff(before, axis=0) * (cells / pixels)
+    return shares

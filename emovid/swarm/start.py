@@ -7,13 +7,16 @@ from scipy.spatial import cKDTree
 
 from emovid.scene.behaviour import Coverage
 from emovid.scene.model import Scene
+from emovid.scene.stage import Rectangle
 from emovid.scene.start import AtPoses, InRegion, InStage, OnContour
 from emovid.swarm.arrays import Array
+from emovid.swarm.clearance import room_on_stage
 from emovid.swarm.contours import followed_points, start_angles, start_headings
 
-# Darts thrown for each robot before giving up: at random, discs cover at most 54.7 % of the plane, and the last per
-# cent before that would take for ever.
+# Darts on the stage for each robot before giving up: at random, discs cover at most 54.7 % of the plane, and the last
+# per cent before that would take for ever. Most fall beside a stage that is thin and lies aslant in its box.
 _DARTS_PER_ROBOT = 300
+_THROWS = 100 * _DARTS_PER_ROBOT
 _ROUNDING = 1e-9  # m
 
 
@@ -50,25 +53,33 @@ def _on_contour(scene: Scene) -> Array:
 
 
 def _at_random(scene: Scene, start: InStage | InRegion, rng: np.random.Generator) -> Array:
-    """Throw darts, uniformly over the region: one that comes too near an earlier one is thrown again."""
+    """Throw darts, uniformly over the region: one off the stage or too near an earlier one is thrown again."""
     radius = scene.robot.body.radius
     spacing = _spacing(scene) if start.min_spacing is None else start.min_spacing
-    centre, half = np.zeros(2), np.array([scene.stage.width, scene.stage.height]) / 2 - radius
+    left, bottom, right, top = scene.stage.box
+    low, high = np.array([left, bottom]) + radius, np.array([right, top]) - radius
     if isinstance(start, InRegion):
-        centre = np.array([start.region.centre.x, start.region.centre.y])
-        half = np.array([start.region.width, start.region.height]) / 2
+        low, high = np.array(start.region.corners)[[0, 2]]
     grid = _Grid(spacing)
-    for _ in range(_DARTS_PER_ROBOT):
-        for x, y in rng.uniform(centre - half, centre + half, (scene.robots, 2)).tolist():
+    on_stage = 0
+    for _ in range(_THROWS):
+        darts = rng.uniform(low, high, (scene.robots, 2))
+        darts = darts[room_on_stage(darts, scene.stage) >= radius - _ROUNDING]
+        for x, y in darts.tolist():
             if grid.is_free(x, y):
                 grid.add(x, y)
                 if len(grid.points) == scene.robots:
                     return np.column_stack([grid.points, rng.uniform(-np.pi, np.pi, scene.robots)])
-    width, height = 2 * half
+        on_stage += len(darts)
+        if on_stage >= _DARTS_PER_ROBOT * scene.robots:
+            break
+    width, height = high - low
+    upright = isinstance(start, InRegion) or isinstance(scene.stage, Rectangle)
+    where = f"{width:.3g} m x {height:.3g} m" if upright else f"a stage of {scene.stage}"
     raise scene.fault(
         "robots",
-        f"{scene.robots} robots do not fit into {width:.3g} m x {height:.3g} m at random with {1000 * spacing:g} mm "
-        f"between centres: room was found for {len(grid.points)}",
+        f"{scene.robots} robots do not fit into {where} at random with {1000 * spacing:g} mm between centres: "
+        f"room was found for {len(grid.points)}",
     )
 
 
@@ -103,8 +114,7 @@ def _spacing(scene: Scene) -> float:
 
 
 def _check_stage(scene: Scene, poses: Array) -> None:
-    half = np.array([scene.stage.width, scene.stage.height]) / 2 - scene.robot.body.radius
-    outside = (np.abs(poses[:, :2]) > half + _ROUNDING).any(axis=1)
+    outside = room_on_stage(poses[:, :2], scene.stage) < scene.robot.body.radius - _ROUNDING
     if outside.any():
         i = int(np.argmax(outside))
         raise scene.fault(

@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from emovid.scene.model import Stage
+from emovid.scene.stage import Stage
 from emovid.swarm.arrays import Array
 
 MARGIN = 0.035  # of the frame's smaller side, left free around the stage
@@ -13,23 +13,31 @@ MARGIN = 0.035  # of the frame's smaller side, left free around the stage
 
 @dataclass(frozen=True)
 class Camera:
-    """Looks straight down on the stage's centre.
+    """Looks straight down on the stage.
 
     Attributes:
         width, height: of the frame [pixels].
         scale: pixels per metre.
+        centre: the place (x, y) [m] in the middle of the frame.
     """
 
     width: int
     height: int
     scale: float
+    centre: tuple[float, float]
 
     @classmethod
     def framing(cls, stage: Stage, width: int, height: int) -> Self:
         """Return the camera that shows the whole stage as large as the frame allows."""
         margin = 2 * MARGIN * min(width, height)
-        return cls(width, height, min((width - margin) / stage.width, (height - margin) / stage.height))
+        left, bottom, right, top = stage.box
+        scale = min((width - margin) / (right - left), (height - margin) / (top - bottom))
+        return cls(width, height, scale, ((left + right) / 2, (bottom + top) / 2))
 
     def pixels(self, points: Array) -> Array:
         """Return where points (..., 2) [m] lie in the frame [pixels], from its lower left corner, y upwards."""
-        return self.scale * points + np.array([self.width, self.height]) / 2
+        return self.scale * (points - np.array(self.centre)) + np.array([self.width, self.height]) / 2
+
+    def metres(self, pixels: Array) -> Array:
+        """Return where places in the frame (..., 2) [pixels] lie on the stage [m]: the inverse of `pixels`."""
+        return (pixels - np.array([self.width, self.height]) / 2) / self.scale + np.array(self.centre)

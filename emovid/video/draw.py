@@ -1,31 +1,28 @@
-"""Frames: a trajectory at one instant, drawn by matplotlib's Agg straight into one buffer.
+"""Frames: a trajectory at one instant, as a picture.
 
-What never changes is drawn once and copied. Everything else goes through `draw_path_collection`: unlike markers it does
-not snap to whole pixels, which would make slow robots jerk, and unlike lines it neither simplifies paths nor reads the
-user's matplotlibrc.
+What never changes is drawn once and kept as the background.
 """
 
-from collections.abc import Sequence
-from typing import Any
+from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
-from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.colors import to_rgba
-from matplotlib.path import Path
-from matplotlib.transforms import IdentityTransform
-from numpy.typing import NDArray
 
-from emovid.scene.model import Stage
-from emovid.scene.robots import Body
+from emovid.looks import robot_parts, robot_rim, trailed_robots
+from emovid.scene.behaviour import Coverage
 from emovid.scene.video import Video
-from emovid.swarm.arrays import Array, Indices
+from emovid.swarm.arrays import Array
+from emovid.swarm.coverage import corners_of
+from emovid.swarm.densities import density_of
 from emovid.swarm.trajectory import Trajectory
+from emovid.video import overlays
 from emovid.video.camera import Camera
-
-Pixels = NDArray[np.uint8]
+from emovid.video.canvas import Box, Canvas, Layer, Pixels, rgba
 
 _FLATNESS = 0.1  # pixels by which a trail may stray from its arcs
 _SLICE = 1.0  # seconds of a trail drawn in one go
+_SHADES = 16  # steps in which a trail fades
 _EDGE = 0.003  # width of the line around the stage [m]
 _HALO = 0.0012  # width of the light rim that lifts a robot off the trails [m]
 
@@ -47,161 +44,107 @@ class Painter:
         self.video = video or scene.video
         self.camera = Camera.framing(scene.stage, self.video.width, self.video.height)
         self._trajectory = trajectory
-        # At 72 dots per inch a point is a pixel. Any: matplotlib's stubs know less than its Agg renderer takes.
-        agg: Any = RendererAgg
-        self._renderer = agg(self.video.width, self.video.height, 72)
-        self._pixels: Pixels = np.asarray(self._renderer.buffer_rgba())
-        self._parts = robot_parts(scene.robot.body)
-        self._outline = Path.make_compound_path(
-            *(self._parts[name] for name in ("wheels", "body") if name in self._parts)
-        )
+        # The robots of a frame stand at the ends of its trails, which start where others did.
+        self._poses = lru_cache(maxsize=2 * _SHADES)(lambda t: trajectory.at(np.array([t]))[0])
+        self._colours = self.video.palette
+        self._canvas = Canvas(self.video.width, self.video.height, self._colours.surround)
         self._trailed = trailed_robots(scene.robots, self.video.trails.robots)
         self._trails = [self._trail(robot) for robot in self._trailed]
-        self._colours = self._part_colours(scene.robots)
-        self._draw_stage(scene.stage)
-        self._empty = self._pixels.copy()
-        self._background, self._slices = self._empty.copy(), 0
+        self._trail_colours = self._shades()
+        self._robot = self._robot_layers()
+        self._draw_stage()
+        self._empty, self._slices = self._canvas.pixels.copy(), 0
 
     def frame(self, t: float) -> Pixels:
         """Return the frame (height, width, 4) at time `t` [s]: RGBA, row 0 on top, overwritten by the next call."""
-        poses = self._trajectory.at(np.array([t]))[0]
-        self._copy_background(t)
+        poses = self._poses(t)
+        self._start(t)
         self._draw_trails(t)
+        if self.video.overlays.cells:
+            cells = overlays.cells_of(self._trajectory.scene.stage, poses[:, :2])
+            overlays.draw_cells(self._canvas, self.camera, cells, self._colours.overlay)
         self._draw_robots(poses)
-        return self._pixels
+        if self.video.overlays.targets:
+            targets = overlays.targets_of(self._trajectory.scene, poses[:, :2], t)
+            overlays.draw_targets(self._canvas, self.camera, poses[:, :2], targets, self._colours)
+        if self.video.overlays.clock:
+            overlays.draw_clock(self._canvas, self.camera, t, self._colours.overlay)
+        return self._canvas.pixels
 
-    def _copy_background(self, t: float) -> None:
+    def changed(self) -> list[Box]:
+        """Return boxes that hold all that differs between this frame and the one at the last call."""
+        return self._canvas.changed()
+
+    def _start(self, t: float) -> None:
         """Start the frame with all slices of trails that are complete by `t`, if trails stay for ever."""
         complete = 0 if self.video.trails.seconds else int(t // _SLICE)
         if complete < self._slices:
-            self._background, self._slices = self._empty.copy(), 0
-        np.copyto(self._pixels, self._background)
+            self._canvas.replace(self._empty)
+            self._slices = 0
+        self._canvas.restore()
         if complete > self._slices:
             for i in range(self._slices, complete):
                 self._draw_slice(i * _SLICE, (i + 1) * _SLICE)
             self._slices = complete
-            np.copyto(self._background, self._pixels)
+            self._canvas.keep()
 
     def _draw_trails(self, t: float) -> None:
         """Draw what the background does not hold."""
         seconds = self.video.trails.seconds
         since = self._slices * _SLICE if seconds is None else max(t - seconds, 0.0)
+        if seconds and self.video.trails.fade:
+            cuts = t - seconds * np.linspace(1, 0, _SHADES + 1)
+            for shade, (start, end) in enumerate(pairwise(cuts)):
+                self._draw_slice(max(start, 0.0), end, shade)
+            return
         for i in range(int(since // _SLICE), int(t // _SLICE) + 1):
             self._draw_slice(max(i * _SLICE, since), min((i + 1) * _SLICE, t))
 
-    def _draw_slice(self, start: float, end: float) -> None:
+    def _draw_slice(self, start: float, end: float, shade: int = -1) -> None:
         """Draw each trail from time `start` to time `end` [s]."""
-        trails, colours = self.video.trails, self.video.colours.trails
         if end <= start or not len(self._trailed):
             return
-        ends = self.camera.pixels(self._trajectory.at(np.array([start, end]))[:, self._trailed, :2])
+        first_ends, last_ends = (self.camera.pixels(self._poses(t)[self._trailed, None, :2]) for t in (start, end))
         lines = []
-        for i, (times, points) in enumerate(self._trails):
-            first, last = np.searchsorted(times, [start, end], side="right")
-            lines.append(Path(np.concatenate([ends[:1, i], points[first:last], ends[1:, i]])))
-        edge = _rgba([colours[i % len(colours)] for i in range(len(lines))])
-        self._collection(lines, edge=edge, width=trails.width * self.camera.scale)
+        for (times, points), first_end, last_end in zip(self._trails, first_ends, last_ends, strict=True):
+            first, last = times.searchsorted([start, end], side="right")
+            lines.append(np.concatenate([first_end, points[first:last], last_end]))
+        self._canvas.lines(lines, self._trail_colours[shade], self.video.trails.width * self.camera.scale)
 
     def _trail(self, robot: int) -> tuple[Array, Array]:
         times, points = self._trajectory.trace(robot, _FLATNESS / self.camera.scale)
         return times, self.camera.pixels(points)
 
-    def _part_colours(self, robots: int) -> dict[str, Array]:
-        colours = self.video.colours
-        bodies = np.tile(to_rgba(colours.body), (robots, 1))
-        for i, robot in enumerate(self._trailed):
-            bodies[robot] = to_rgba(colours.trails[i % len(colours.trails)])
-        return {"wheels": _rgba([colours.wheels]), "body": bodies, "front": _rgba([colours.front])}
+    def _shades(self) -> Array:
+        """Return the colours of the trails (_SHADES, trails, 4) by age, from nearly the stage's to their own."""
+        colours = self._colours.trails
+        full = np.array([to_rgba(colours[i % len(colours)]) for i in range(len(self._trailed))]).reshape(-1, 4)
+        share = np.linspace(0, 1, _SHADES + 1)[1:, None, None]
+        # Mixed, not translucent: where two pieces of a trail overlap, nothing shows.
+        return full * share + np.array(to_rgba(self._colours.stage)) * (1 - share)
 
-    def _draw_stage(self, stage: Stage) -> None:
-        colours = self.video.colours
-        rectangle = Path(self.camera.pixels(np.asarray(_rectangle(stage.width, stage.height).vertices)), closed=True)
-        self._pixels[:] = np.round(255 * np.array(to_rgba(colours.surround)))
-        width = _EDGE * self.camera.scale
-        # The line lies outside the stage: half of it is drawn over by the floor.
-        self._collection([rectangle], edge=_rgba([colours.boundary]), width=2 * width)
-        self._collection([rectangle], face=_rgba([colours.stage]))
+    def _robot_layers(self) -> list[Layer]:
+        colours, robots = self._colours, self._trajectory.scene.robots
+        bodies = np.tile(to_rgba(colours.body), (robots, 1))
+        bodies[self._trailed] = self._trail_colours[-1]
+        parts = robot_parts(self._trajectory.scene.robot.body)
+        faces = {"wheels": rgba([colours.wheels]), "body": bodies, "front": rgba([colours.front])}
+        halo = Layer(robot_rim(self._trajectory.scene.robot.body, _HALO), rgba([colours.stage]))
+        return [halo, *(Layer(path, faces[name]) for name, path in parts.items())]
+
+    def _draw_stage(self) -> None:
+        scene, colours = self._trajectory.scene, self._colours
+        corners = self.camera.pixels(corners_of(scene.stage))
+        self._canvas.polygon(corners, colours.stage, colours.boundary, _EDGE * self.camera.scale)
+        if self.video.overlays.density and isinstance(scene.behaviour, Coverage):
+            density = density_of(scene.behaviour.density, scene.stage)
+            overlays.paint_density(self._canvas.pixels, self.camera, scene.stage, density, colours.density)
+        self._canvas.keep()
 
     def _draw_robots(self, poses: Array) -> None:
         turns = _turns(poses[:, 2]) * np.array([[self.camera.scale], [self.camera.scale], [1]])
-        offsets = self.camera.pixels(poses[:, :2])
-        halo = _rgba([self.video.colours.stage])
-        rim = 2 * _HALO * self.camera.scale
-        self._collection([self._outline], turns, offsets, edge=halo, width=rim)
-        for name, path in self._parts.items():
-            self._collection([path], turns, offsets, face=self._colours[name])
-
-    def _collection(
-        self,
-        paths: Sequence[Path],
-        turns: Array | None = None,
-        offsets: Array | None = None,
-        *,
-        face: Array | None = None,
-        edge: Array | None = None,
-        width: float = 0.0,
-    ) -> None:
-        """Draw paths, anti-aliased at sub-pixel positions, with round joins and caps."""
-        gc = self._renderer.new_gc()
-        gc.set_snap(False)
-        gc.set_antialiased(True)
-        gc.set_capstyle("round")
-        gc.set_joinstyle("round")
-        none = np.empty((0, 4))
-        self._renderer.draw_path_collection(
-            gc,
-            IdentityTransform(),
-            paths,
-            np.empty((0, 3, 3)) if turns is None else turns,
-            np.empty((0, 2)) if offsets is None else offsets,
-            IdentityTransform(),
-            none if face is None else face,
-            none if edge is None else edge,
-            np.array([width]),
-            [(0, None)],
-            np.array([True]),
-            None,
-            "screen",
-        )
-
-
-def trailed_robots(robots: int, trails: int) -> Indices:
-    """Return which robots leave a trail: `trails` of them, or all, evenly spread through the swarm."""
-    count = min(robots, trails)
-    return np.arange(count) * robots // max(count, 1)
-
-
-def robot_parts(body: Body) -> dict[str, Path]:
-    """Return the outlines [m] of a robot seen from above, in its own frame, in drawing order."""
-    parts = {}
-    if body.wheel_base:
-        left = _rectangle(2 * body.wheel_radius, body.wheel_width, y=body.wheel_base / 2)
-        right = _rectangle(2 * body.wheel_radius, body.wheel_width, y=-body.wheel_base / 2)
-        axle = _rectangle(0.6 * body.wheel_radius, body.wheel_base, y=0.0)
-        parts["wheels"] = Path.make_compound_path(left, right, axle)
-    parts["body"] = _rounded_square(body.width, body.corner)
-    if body.steers:
-        parts["front"] = _front_mark(body.width)
-    return parts
-
-
-def _rectangle(length: float, width: float, y: float = 0.0) -> Path:
-    corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]) / 2
-    return Path(corners * [length, width] + [0, y], closed=True)
-
-
-def _rounded_square(width: float, corner: float) -> Path:
-    """A square about the origin with round corners: a polygon, finer than pixels at any size we draw."""
-    angle = np.linspace(0, np.pi / 2, 17) + np.arange(4)[:, None] * np.pi / 2
-    centres = (width / 2 - corner) * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
-    points = centres[:, None] + corner * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    points = points.reshape(-1, 2)
-    return Path(np.concatenate([points, points[:1]]), closed=True)
-
-
-def _front_mark(width: float) -> Path:
-    """A triangle that points forward, in the front half of the body."""
-    return Path(width * np.array([[0.36, 0.0], [0.04, 0.27], [0.04, -0.27], [0.36, 0.0]]), closed=True)
+        reach = (self._trajectory.scene.robot.body.radius + _HALO) * self.camera.scale
+        self._canvas.stamp(self._robot, turns, self.camera.pixels(poses[:, :2]), reach)
 
 
 def _turns(headings: Array) -> Array:
@@ -212,7 +155,3 @@ def _turns(headings: Array) -> Array:
     turns[:, 0, 1] = -turns[:, 1, 0]
     turns[:, 2, 2] = 1
     return turns
-
-
-def _rgba(colours: Sequence[str]) -> Array:
-    return np.array([to_rgba(colour) for colour in colours])

@@ -1,10 +1,12 @@
-"""Frames to an H.264 file: ffmpeg owned from start to end, and no file under the name that is not whole.
+"""Frames to a video: ffmpeg owned from start to end, and nothing under the name that is not whole.
 
 imageio-ffmpeg brings the binary and nothing else: its writer ignores the exit status of ffmpeg, and an interrupted run
 leaves a short but playable file under the final name.
 """
 
+import os
 import re
+import select
 import subprocess
 import tempfile
 from collections.abc import Callable, Iterable
@@ -14,33 +16,14 @@ from typing import IO
 
 import imageio_ffmpeg
 
-from emovid.errors import RenderError
+from emovid.errors import InputError, RenderError
 from emovid.signals import held_signals
-from emovid.video.draw import Pixels
-from emovid.whole_files import reason, whole_file
+from emovid.video.canvas import Pixels
+from emovid.video.formats import PICTURE, is_picture
+from emovid.whole_files import reason, whole_file, whole_folder
 
-_GRACE = 60  # seconds ffmpeg may take to finish a file once it has all frames
-
-
-def encoder_arguments(width: int, height: int, fps: int) -> list[str]:
-    """Return ffmpeg's arguments between the executable and the output: what decides the bytes of the video.
-
-    RGBA frames on stdin become H.264 High, yuv420p, bt709 tagged in full, one closed GOP a second, no B-frames (every
-    browser seeks to the frame), no audio, the index in front. One thread, `cpu-independent` and `bitexact` everywhere
-    make equal bytes on every CPU; `filter_units` drops x264's banner. crf 16 is visually lossless.
-    """
-    colour = "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int+bitexact,format=yuv420p"
-    tags = "setparams=color_primaries=bt709:color_trc=bt709:colorspace=bt709:range=tv"
-    return [
-        *("-hide_banner", "-nostdin", "-v", "error", "-y"),
-        *("-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{width}x{height}", "-r", str(fps), "-i", "pipe:0", "-an"),
-        *("-vf", f"{colour},{tags}"),
-        *("-c:v", "libx264", "-preset", "veryfast", "-crf", "16", "-profile:v", "high"),
-        *("-g", str(fps), "-keyint_min", str(fps), "-sc_threshold", "0", "-bf", "0"),
-        *("-threads", "1", "-x264-params", "cpu-independent=1:open-gop=0", "-bsf:v", "filter_units=remove_types=6"),
-        *("-fflags", "+bitexact", "-flags:v", "+bitexact", "-map_metadata", "-1", "-movflags", "+faststart"),
-        *("-f", "mp4"),
-    ]
+_GRACE = 60  # seconds ffmpeg may take to accept more of a frame, and to finish a file once it has all of them
+_PATIENCE = 600  # seconds ffmpeg may take to say its version, or how many frames a file has
 
 
 def write_video(
@@ -53,7 +36,7 @@ def write_video(
     """Encode `count` frames into `target`, which appears only when ffmpeg has succeeded and the frames are counted.
 
     Args:
-        frames: each (height, width, 4), RGBA; a frame may reuse the buffer of the one before.
+        frames: as the encoder takes them; a frame may reuse the buffer of the one before.
         count: how many.
         arguments: see `encoder_arguments`.
         target: in a folder that exists. What was there stays until it is replaced whole.
@@ -62,23 +45,28 @@ def write_video(
     Raises:
         RenderError: with ffmpeg's own words.
     """
-    with whole_file(target) as part, tempfile.TemporaryFile() as log:
-        command = [ffmpeg(), *arguments, str(part)]
-        process = None
-        try:
-            with held_signals():
-                process = _start(command, target, log)
-            _feed(process, frames, on_frame)
-            status = process.wait(_GRACE)
-        except subprocess.TimeoutExpired:
-            raise RenderError(f"{target}: ffmpeg did not finish within {_GRACE} s of the last frame") from None
-        finally:
-            with held_signals():
-                _end(process)
-        if status:
-            raise RenderError(f"{target}: ffmpeg failed with exit status {status}: {_last_line(log)}")
-        if (found := count_frames(part)) != count:
-            raise RenderError(f"{target}: ffmpeg wrote {found} of {count} frames")
+    with whole_file(target) as part:
+        _encode(frames, [*arguments, str(part)], target, on_frame)
+        _check_count(count_frames(part), count, target)
+
+
+def write_pictures(
+    frames: Iterable[Pixels],
+    count: int,
+    arguments: list[str],
+    target: Path,
+    on_frame: Callable[[int], None] | None = None,
+) -> None:
+    """Encode `count` frames into the folder `target`, as 00000.png and so on. See `write_video`.
+
+    Raises:
+        InputError: if `target` is there and is no folder of such pictures.
+        RenderError: with ffmpeg's own words.
+    """
+    check_sequence(target)
+    with whole_folder(target) as part:
+        _encode(frames, [*arguments, str(part).replace("%", "%%") + f"/{PICTURE}"], target, on_frame)
+        _check_count(len(list(part.iterdir())), count, target)
 
 
 @cache
@@ -97,17 +85,60 @@ def ffmpeg() -> str:
 @cache
 def ffmpeg_version() -> str:
     """Return the version that ffmpeg reports of itself."""
-    said = subprocess.run([ffmpeg(), "-version"], capture_output=True, text=True, check=False).stdout
-    found = re.match(r"ffmpeg version (\S+)", said)
+    found = re.match(r"ffmpeg version (\S+)", _ask(["-version"]).stdout)
     return found[1] if found else "unknown"
 
 
 def count_frames(video: Path) -> int:
     """Return the number of frames in a file, by walking through its packets; 0 for a file that is no video."""
-    command = [ffmpeg(), "-v", "error", "-nostdin", "-i", str(video), "-map", "0:v:0", "-c", "copy", "-f", "null"]
-    done = subprocess.run([*command, "-progress", "pipe:1", "-"], capture_output=True, text=True, check=False)
+    arguments = ["-v", "error", "-nostdin", "-i", str(video), "-map", "0:v:0", "-c", "copy", "-f", "null"]
+    done = _ask([*arguments, "-progress", "pipe:1", "-"])
     counts = re.findall(r"^frame=\s*(\d+)", done.stdout, re.MULTILINE)
     return int(counts[-1]) if counts and done.returncode == 0 else 0
+
+
+def _ask(arguments: list[str]) -> "subprocess.CompletedProcess[str]":
+    """Return what ffmpeg answers."""
+    try:
+        return subprocess.run(
+            [ffmpeg(), *arguments], capture_output=True, text=True, errors="replace", check=False, timeout=_PATIENCE
+        )
+    except OSError as error:
+        raise RenderError(f"ffmpeg cannot be started: {ffmpeg()}: {reason(error)}") from None
+    except subprocess.TimeoutExpired:
+        raise RenderError(f"ffmpeg does not answer: {ffmpeg()}") from None
+
+
+def check_sequence(target: Path) -> None:
+    """Raise an `InputError` if `target` is there and is no folder of a sequence's pictures: it would be replaced."""
+    if target.is_dir() and (others := sorted(path.name for path in target.iterdir() if not is_picture(path))):
+        raise InputError(f"{target}: holds {others[0]}, which is no picture of a sequence; expected a new folder")
+    if target.exists() and not target.is_dir():
+        raise InputError(f"{target}: is a file; expected a folder for pictures")
+
+
+def _encode(
+    frames: Iterable[Pixels], arguments: list[str], target: Path, on_frame: Callable[[int], None] | None
+) -> None:
+    with tempfile.TemporaryFile() as log:
+        process = None
+        try:
+            with held_signals():
+                process = _start([ffmpeg(), *arguments], target, log)
+            _feed(process, frames, on_frame)
+            status = process.wait(_GRACE)
+        except subprocess.TimeoutExpired:
+            raise RenderError(f"{target}: ffmpeg hangs: it did nothing for {_GRACE} s") from None
+        finally:
+            with held_signals():
+                _end(process)
+        if status:
+            raise RenderError(f"{target}: ffmpeg failed with exit status {status}: {_last_line(log)}")
+
+
+def _check_count(found: int, wanted: int, target: Path) -> None:
+    if found != wanted:
+        raise RenderError(f"{target}: ffmpeg wrote {found} of {wanted} frames")
 
 
 def _start(command: list[str], target: Path, log: IO[bytes]) -> "subprocess.Popen[bytes]":
@@ -127,16 +158,26 @@ def _start(command: list[str], target: Path, log: IO[bytes]) -> "subprocess.Pope
 def _feed(process: "subprocess.Popen[bytes]", frames: Iterable[Pixels], on_frame: Callable[[int], None] | None) -> None:
     pipe = process.stdin
     assert pipe is not None
+    os.set_blocking(pipe.fileno(), False)  # so that an ffmpeg that takes no more is noticed
     try:
         for k, frame in enumerate(frames, start=1):
             rest = frame.data.cast("B")
             while rest:
-                rest = rest[pipe.write(rest) :]
+                _wait_for_room(pipe)
+                rest = rest[pipe.write(rest) or 0 :]
             if on_frame:
                 on_frame(k)
         pipe.close()
     except BrokenPipeError:  # ffmpeg has gone; its exit status says why
         pass
+
+
+def _wait_for_room(pipe: IO[bytes]) -> None:
+    """Wait until a pipe takes more; give up after many short waits, since time passes for a suspended process too."""
+    poll = select.poll()
+    poll.register(pipe, select.POLLOUT)
+    if not any(poll.poll(1000 * _GRACE / 60) for _ in range(60)):
+        raise subprocess.TimeoutExpired("ffmpeg", _GRACE)
 
 
 def _end(process: "subprocess.Popen[bytes] | None") -> None:

@@ -48,6 +48,67 @@ def test_the_output_is_a_folder_unless_it_ends_like_a_video(tmp_path, output, ex
     assert (tmp_path / expected).with_name("manifest.json").is_file()
 
 
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["-o", "x.webm"], "x.webm"),
+        (["-o", "c/y.GIF"], "c/y.GIF"),
+        (["--format", "gif"], "videos/anger.gif"),
+        (["--format", "webm", "-o", "out"], "out/anger.webm"),
+        (["--set", "video.format=webm"], "videos/anger.webm"),
+        (["--format", "png-sequence"], "videos/anger/00004.png"),
+    ],
+)
+def test_a_format_is_what_the_output_s_name_or_an_option_says(capsys, arguments, expected) -> None:
+    assert render("--emotion", "anger", *arguments) == 0
+    assert Path(expected).is_file()
+    capsys.readouterr()
+    assert render("--emotion", "anger", *arguments) == 0
+    assert "up to date" in capsys.readouterr().err
+
+
+def test_a_sequence_whose_picture_was_spoilt_is_made_again(capsys) -> None:
+    render("--emotion", "anger", "--format", "png-sequence")
+    before = Path("videos/anger/00002.png").read_bytes()
+    Path("videos/anger/00002.png").write_bytes(b"spoilt")
+    capsys.readouterr()
+    assert render("--emotion", "anger", "--format", "png-sequence") == 0
+    assert "[1/1] videos/anger: 5 frames" in capsys.readouterr().err
+    assert Path("videos/anger/00002.png").read_bytes() == before
+
+
+def test_two_formats_stand_side_by_side_in_the_manifest() -> None:
+    render("--emotion", "anger", "--format", "png-sequence")
+    render("--emotion", "anger", "--format", "webm")
+    assert sorted(manifest(Path("videos"))) == ["anger", "anger.webm"]
+
+
+def test_a_folder_of_other_things_is_not_replaced_by_a_sequence(capsys) -> None:
+    Path("videos/anger").mkdir(parents=True)
+    Path("videos/anger/thesis.txt").write_text("mine")
+    assert render("--emotion", "anger", "--format", "png-sequence") == 2
+    said = capsys.readouterr().err
+    assert said == "videos/anger: holds thesis.txt, which is no picture of a sequence; expected a new folder\n"
+    assert names(Path("videos/anger")) == ["thesis.txt"]
+
+
+def test_theme_and_overlays_change_the_picture_and_nothing_else() -> None:
+    render("--emotion", "fear")
+    plain = manifest(Path("videos"))["fear.mp4"]
+    for look in (["--theme", "dark"], ["--overlay", "clock"], ["--overlay", "cells", "--overlay", "density"]):
+        render("--emotion", "fear", *look)
+        entry = manifest(Path("videos"))["fear.mp4"]
+        assert entry["sha256"] != plain["sha256"], look
+        assert entry["trajectory_sha256"] == plain["trajectory_sha256"]
+
+
+def test_a_finished_run_is_shown_in_another_look() -> None:
+    main(["simulate", "--emotion", "fear", "-o", "fear.npz"])
+    look = ["--theme", "dark", "--overlay", "targets", "-o", "x.webm", "--size", "96x64", "--fps", "1"]
+    assert main(["render", "fear.npz", *look]) == 0
+    assert Path("x.webm").is_file()
+
+
 def test_the_manifest_says_how_a_video_was_made() -> None:
     assert render("--emotion", "fear", "--seed", "9") == 0
     entry = manifest(Path("videos"))["fear.mp4"]
@@ -177,7 +238,21 @@ def test_quiet_says_nothing(capsys) -> None:
         (["anger", "--emotion", "fear"], ONE_SCENE),
         (["--all", "--emotion", "fear"], "--all means the six emotions: no scene goes with it"),
         (["--all", "-o", "x.mp4"], "-o x.mp4: is one file; expected a folder for six videos"),
-        (["fear", "-o", "x.webm"], "-o x.webm: cannot write .webm; expected .mp4, or a folder"),
+        (["fear", "-o", "x.mov"], "-o x.mov: cannot write .mov; expected .mp4, or a folder"),
+        (["fear", "-o", "x.webm", "--format", "gif"], "-o x.webm: cannot write .webm; expected .gif, or a folder"),
+        (["fear", "-o", "x.gif", "--format", "png-sequence"], "-o x.gif: cannot write .gif; expected a folder"),
+        (["fear", "-o", "x.gif", "--fps", "60"], "--fps 60: video.fps: 60: expected at most 50 in a gif: browsers show "
+                                                 "a faster one slowly"),
+        (["fear", "--format", "avi"], "--format avi: video.format: 'avi': expected one of mp4, webm, gif, "
+                                      "png-sequence"),
+        (["fear", "--theme", "drak"], "--theme drak: video.theme: 'drak': expected one of light, dark (did you mean "
+                                      "dark?)"),
+        (["fear", "--overlay", "cell"], "--overlay cell: video.overlays.cell: unknown key (did you mean "
+                                        "video.overlays.cells?)"),
+        (["sadness", "--overlay", "density"], "--overlay density: video.overlays.density: true: a contour behaviour "
+                                              "has no density to show"),
+        (["fear", "--set", "video.trails.fade=true"], "--set video.trails.fade=true: video.trails.fade: true: a trail "
+                                                      "that stays for ever cannot fade; expected a number for seconds"),
         (["nothing.npz"], "nothing.npz: cannot be read: no such file or directory"),
         (["fear", "--set", "robot.k=2"], "--set robot.k=2: robot.k: unknown key (did you mean robot.K?)"),
         (["fear", "--set", "robot.K"], "--set robot.K: expected KEY=VALUE, as in robot.l=0.002"),

@@ -19,7 +19,11 @@ KINDS = [
     "l_missing", "too_many_robots", "absurd_duration", "absurd_fps", "absurd_run", "odd_video_size", "bad_colour",
     "wrong_law", "wrong_shape", "wrong_emotion", "R_max_below_R_min", "A_not_below_R", "contour_start_with_coverage",
     "pose_count", "pose_off_stage", "region_off_stage", "sigma_too_small", "density_centre_off_stage", "limits_empty",
-    "limits_of_wheels", "not_utf8", "empty_file", "top_level_list", "two_documents",
+    "limits_of_wheels", "not_utf8", "empty_file", "top_level_list", "two_documents", "stage_of_two_forms",
+    "stage_not_convex", "stage_star", "stage_corner_twice", "stage_corner_on_edge", "stage_of_two_corners",
+    "stage_of_many_corners", "stage_corners_misspelt", "robot_larger_than_triangle", "contour_leaves_hexagon",
+    "contour_centre_off_stage", "density_centre_off_triangle", "ridge_beyond_centre_of_triangle", "region_off_hexagon",
+    "pose_off_triangle", "no_room_on_triangle",
 ]  # fmt: skip
 
 
@@ -101,7 +105,8 @@ def test_file_too_large_for_a_scene(capsys, tmp_path):
     [
         (["--set", "robot.k=8"], "--set robot.k=8: robot.k: unknown key (did you mean robot.K?)"),
         (["--set", "video.frames=9"], "--set video.frames=9: video.frames: unknown key; "
-                                      "expected one of size, fps, trails, colours"),
+                                      "expected one of size, fps, format, trails, overlays, theme, "
+                                      "colours"),
         (["--set", "robot.5=1"], "--set robot.5=1: robot.5: unknown key; expected one of model, l, K, limits"),
         (["--set", "robot.K"], "--set robot.K: expected KEY=VALUE, as in robot.l=0.002"),
         (["--set", "=8"], "--set =8: expected KEY=VALUE, as in robot.l=0.002"),
@@ -114,6 +119,14 @@ def test_file_too_large_for_a_scene(capsys, tmp_path):
         (["--set", "robot=8"], "--set robot=8: robot: 8: expected a group of keys"),
         (["--set", "duration="], "--set duration=: duration: empty: expected a number"),
         (["--set", "robot.K=4", "--set", "seed=-1"], "--set seed=-1: seed: -1: expected at least 0"),
+        (["--set", "stage={}"], "--set stage={}: stage.width: missing (extent along x [m])"),
+        (["--set", "stage={width: 1}"], "--set stage={width: 1}: stage.height: missing (extent along y [m])"),
+        (["--set", "stage.widht=1"], "--set stage.widht=1: stage.widht: unknown key (did you mean stage.width?)"),
+        (["--set", "stage={Corner: []}"], "--set stage={Corner: []}: stage.Corner: unknown key "
+                                          "(did you mean stage.corners?)"),
+        (["--set", "stage={corners: null}"], "--set stage={corners: null}: stage.corners: empty: expected a list"),
+        (["--set", "stage={corners: [[0, 0], [1, 0], [1, 1]]}"], "--set stage={corners: [[0, 0], [1, 0], [1, 1]]}: "
+                                                               "stage.corners.0: [0, 0]: expected a group of keys"),
         (["--seed", "-1"], "--seed -1: seed: -1: expected at least 0"),
         (["--size", "1281x720"], "--size 1281x720: video.size: 1281x720: expected two even numbers from 64 to 8192, "
                                  "as in 1280x720"),

@@ -25,6 +25,7 @@ BEHAVIOURS = {  # Table II and Appendix A of the paper
     "disgust": {"law": "coverage", "kind": "boundary"},
     "anger": {"law": "coverage", "kind": "gaussian"},
 }
+TRIANGLE = [{"x": -0.6, "y": -0.4}, {"x": 0.6, "y": -0.4}, {"x": 0.0, "y": 0.6}]
 SHORT = """\
 emotion: null
 behaviour:
@@ -168,12 +169,15 @@ def test_digest_counts_defaults_left_out():
 
 
 def another(key, value):
-    words = {"model": "single_integrator", "size": "640x360", "limits": {"v_max": 0.1}, "seconds": 3}
+    words = {"model": "single_integrator", "size": "640x360", "limits": {"v_max": 0.1}, "seconds": 3,
+             "format": "webm", "theme": "dark"}  # fmt: skip
     name = key.split(".")[-1]
     if name in words:
         return words[name]
     if name == "emotion":
         return None
+    if isinstance(value, bool):
+        return not value
     if isinstance(value, str):
         return "#123456"
     return value + 1 if isinstance(value, int) else value * 1.01 or 0.01
@@ -182,7 +186,8 @@ def another(key, value):
 @each_emotion
 def test_digest_changes_with_any_value(emotion):
     resolved = load_scene(emotion).resolved()
-    free = [key for key in leaves(resolved) if key.split(".")[-1] not in ("law", "shape", "kind", "place")]
+    needy = ("law", "shape", "kind", "place", "fade", "density")  # other values of these need other keys
+    free = [key for key in leaves(resolved) if key.split(".")[-1] not in needy]
     digests = {
         key: scene_digest(load_scene(emotion, [Setting(key, another(key, leaves(resolved)[key]), key)])) for key in free
     }
@@ -218,6 +223,13 @@ def test_schema_accepts_shipped_scenes(emotion):
     Draft202012Validator(scene_schema()).validate(raw_of(emotion))
 
 
+@pytest.mark.parametrize("corners", [TRIANGLE, TRIANGLE[::-1]])
+def test_schema_accepts_a_stage_by_its_corners(corners):
+    data = raw_of("anger") | {"stage": {"corners": corners}}
+    Draft202012Validator(scene_schema()).validate(data)
+    assert parse_scene(yaml.safe_dump(data), "f.yaml").stage.inradius > 0.3
+
+
 @each_emotion
 def test_schema_rejects_unknown_keys_in_every_group(emotion):
     validator = Draft202012Validator(scene_schema())
@@ -232,6 +244,8 @@ def test_schema_rejects_unknown_keys_in_every_group(emotion):
 @pytest.mark.parametrize(
     ("key", "value"),
     [("duration", "15"), ("duration", -1), ("robots", 1.5), ("emotion", "joy"), ("seed", None), ("stage", []),
+     ("stage", {}), ("stage", {"width": 1.2}), ("stage", {"corners": TRIANGLE[:2]}), ("stage", {"corners": None}),
+     ("stage", {"width": 1.2, "height": 0.8, "corners": TRIANGLE}), ("stage", {"corners": TRIANGLE, "depth": 1}),
      ("start", {"place": "stage", "region": None}), ("behaviour", {"law": "contour"}), ("video", {"fps": 0}),
      ("video", {"colours": {"body": "red"}}), ("video", {"colours": {"trails": []}})],
 )  # fmt: skip

@@ -1,13 +1,15 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from scipy.optimize import linprog
+from stages import HEXAGON, convex_corners, polygon
 
-from emovid.scene.model import Stage
-from emovid.swarm.clearance import farthest_advance, share_apart, share_on_stage
+from emovid.scene.stage import Polygon, Rectangle
+from emovid.swarm.clearance import farthest_advance, room_on_stage, share_apart, share_on_stage
 from emovid.swarm.unicycle import move
 
-STAGE = Stage(width=1.2, height=0.8)
+STAGE = Rectangle(width=1.2, height=0.8)
 RADIUS = 0.02
 SECONDS = 0.25
 SEED = st.integers(0, 2**32 - 1)
@@ -92,3 +94,53 @@ def test_robots_out_of_reach_are_not_cut() -> None:
     poses = np.array([[-0.5, 0, 0], [0.5, 0, np.pi]])
     assert share_apart(poses, np.array([[0.2, 0.0], [0.2, 0.0]]), SECONDS, RADIUS, 0.004) == pytest.approx([1, 1])
     assert share_apart(poses[:1], np.array([[0.2, 0.0]]), SECONDS, RADIUS, 0.004) == pytest.approx([1])
+
+
+# --- stages of any shape ---------------------------------------------------------------------------------------------
+
+
+def swarm_on(stage: Polygon, seed: int, robots: int = 20) -> tuple[np.ndarray, np.ndarray]:
+    """Return random poses on the stage, many at its edge, and wild commands."""
+    commands = swarm(seed, robots)[1]
+    rng = np.random.default_rng(seed)
+    normals, offsets = np.split(np.array(stage.edges), [2], axis=1)
+    # A linear program's largest circle: where a body surely fits.
+    best = linprog([0, 0, -1], np.column_stack([normals, np.ones(len(normals))]), offsets, bounds=(None, None))
+    angle = rng.uniform(-np.pi, np.pi, robots)
+    ray = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    towards = ray @ normals.T
+    room = (offsets[:, 0] - RADIUS) - normals @ best.x[:2]
+    reach = np.min(np.where(towards > 0, room / np.where(towards > 0, towards, 1), np.inf), axis=1)
+    points = best.x[:2] + (np.minimum(rng.uniform(0, 1.5, robots), 1) * reach)[:, None] * ray
+    return np.column_stack([points, rng.uniform(-np.pi, np.pi, robots)]), commands
+
+
+@given(convex_corners(), SEED)
+def test_bodies_stay_on_a_stage_of_any_shape_throughout(corners: list[tuple[float, float]], seed: int) -> None:
+    stage = polygon(corners)
+    assume(stage.inradius > RADIUS + 1e-3)
+    poses, commands = swarm_on(stage, seed)
+    share = share_on_stage(poses, commands, SECONDS, stage, RADIUS)
+    centres = path(poses, commands, share)
+    # An independent measure: how far a centre is to the left of each edge, from corner to corner.
+    ring = np.array(corners)
+    along = np.roll(ring, -1, axis=0) - ring
+    to_centre = centres[..., None, :] - ring
+    left = (along[:, 0] * to_centre[..., 1] - along[:, 1] * to_centre[..., 0]) / np.hypot(*along.T)
+    room = left.min(axis=(0, 2)) - RADIUS
+    assert (room >= -1e-9).all()
+    assert (room[share < 1] < 4e-3).all()  # and no more is cut than must be, to within the sampling of the arc
+
+
+@given(SEED)
+def test_a_rectangle_by_its_corners_cuts_the_same_to_the_last_digit(seed: int) -> None:
+    poses, commands = swarm(seed)
+    by_corners = polygon([(0.6, 0.4), (0.6, -0.4), (-0.6, -0.4), (-0.6, 0.4)])
+    expected = share_on_stage(poses, commands, SECONDS, STAGE, RADIUS)
+    assert np.array_equal(share_on_stage(poses, commands, SECONDS, by_corners, RADIUS), expected)
+
+
+def test_room_on_a_hexagon_by_hand() -> None:
+    apothem = 0.6 * np.sqrt(3) / 2
+    room = room_on_stage(np.array([[0.0, 0.0], [0.0, -0.5], [0.6, 0.0], [0.0, 1.0]]), polygon(HEXAGON))
+    assert room == pytest.approx([apothem, apothem - 0.5, 0, apothem - 1], abs=1e-12)

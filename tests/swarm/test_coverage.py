@@ -2,15 +2,16 @@ import numpy as np
 import pytest
 from polygons import centroid_by_dblquad, shoelace
 from scipy.special import erf
+from stages import HEXAGON, polygon
 
 from emovid.scene.behaviour import Boundary, Coverage, Gaussian, Uniform
 from emovid.scene.load import load_scene
-from emovid.scene.model import Stage
+from emovid.scene.stage import Rectangle
 from emovid.swarm.coverage import corners_of, coverage_velocity, mass_and_centroid
 from emovid.swarm.densities import density_of
 from emovid.swarm.voronoi import voronoi_cells
 
-STAGE = Stage(width=1.2, height=0.8)
+STAGE = Rectangle(width=1.2, height=0.8)
 TOLERANCE = 1e-6 * np.hypot(1.2, 0.8)
 GAUSSIAN = Gaussian(kind="gaussian", sigma=0.11)
 BOUNDARY = Boundary(kind="boundary", width=0.06, inset=0.06)
@@ -79,6 +80,20 @@ def test_densities_by_hand() -> None:
 def test_a_corner_belongs_to_two_ridges() -> None:
     corner = density_of(BOUNDARY, STAGE).phi(np.array(0.54), np.array(0.34))
     assert corner == pytest.approx(2, abs=1e-6)
+
+
+def test_ridges_of_a_hexagon_by_hand() -> None:
+    # Of a regular hexagon about the origin: at its centre all six edges are an apothem away, at the middle of an edge
+    # they are 0, 1/2, 1/2, 3/2, 3/2 and 2 apothems away.
+    apothem = 0.6 * np.sqrt(3) / 2
+    phi = density_of(Boundary(kind="boundary", width=0.2, inset=0.1), polygon(HEXAGON)).phi
+
+    def ridge(distance: float) -> float:
+        return float(np.exp(-((distance - 0.1) ** 2) / (2 * 0.2**2)))
+
+    found = phi(np.array([0.0, 0.0]), np.array([0.0, apothem]))
+    at_edge = sum(ridge(k * apothem) for k in (0, 0.5, 0.5, 1.5, 1.5, 2))
+    assert found == pytest.approx([6 * ridge(apothem), at_edge], rel=1e-12)
 
 
 def law(**keys: object) -> Coverage:

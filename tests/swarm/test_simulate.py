@@ -6,9 +6,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
+from stages import HEXAGON, THIN, TRIANGLE, convex_corners, keys_of
 
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import load_scene
+from emovid.swarm.clearance import room_on_stage
 from emovid.swarm.contours import followed_points, start_angles
 from emovid.swarm.simulate import sample_times, simulate
 from emovid.swarm.summary import summarise
@@ -201,3 +203,49 @@ def test_the_simulator_needs_no_matplotlib() -> None:
         "sys.exit(any(name.split('.')[0] in ('matplotlib', 'PIL', 'rich', 'typer') for name in sys.modules))"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+# --- stages of any shape ---------------------------------------------------------------------------------------------
+
+DENSITIES = [{"kind": "uniform"}, {"kind": "boundary", "width": 0.2, "inset": 0.0}]
+
+
+@pytest.mark.parametrize("emotion", EMOTIONS)
+def test_a_rectangle_by_its_corners_gives_the_same_run_to_the_last_digit(runs, make_scene, emotion) -> None:
+    corners = [(0.6, 0.4), (0.6, -0.4), (-0.6, -0.4), (-0.6, 0.4)]
+    run = simulate(make_scene(emotion, {"stage": keys_of(corners)}))
+    assert np.array_equal(run.poses, runs[emotion].poses)
+    assert np.array_equal(run.stage_cut, runs[emotion].stage_cut)
+
+
+@given(convex_corners(narrowest=0.4), st.integers(0, 1000), st.sampled_from(DENSITIES))
+@settings(max_examples=25)
+def test_robots_never_leave_a_stage_of_any_shape(make_scene, corners, seed, density) -> None:
+    keys = {"stage": keys_of(corners), "robots": 4, "seed": seed, "duration": 2, "robot.K": 12.0}
+    run = simulate(make_scene("anger", keys | {"behaviour.density": density, "behaviour.separation": None}))
+    points = run.at(np.linspace(0, 2, 2001))[..., :2].reshape(-1, 2)
+    assert room_on_stage(points, run.scene.stage).min() >= run.scene.robot.body.radius - 1e-9
+
+
+def test_a_contour_robot_never_leaves_a_thin_stage_off_the_origin(make_scene) -> None:
+    centre = dict(zip("xy", np.mean(THIN, axis=0).tolist(), strict=True))
+    contour = {"behaviour.R": 0.02, "behaviour.centre": centre, "behaviour.angular_rate": 3.0}
+    # With a look-ahead of twice the stage's width it swings about.
+    keys = {"robots": 1, "robot.l": 0.2, "start": {"place": "poses", "poses": [centre]}, "duration": 5}
+    run = simulate(make_scene("sadness", {"stage": keys_of(THIN)} | contour | keys))
+    room = room_on_stage(run.at(np.linspace(0, 5, 5001))[:, 0, :2], run.scene.stage)
+    assert room.min() >= run.scene.robot.body.radius - 1e-9
+    assert run.stage_cut.any()
+
+
+def test_one_robot_alone_ends_at_the_centroid_of_a_triangle(make_scene) -> None:
+    keys = {"stage": keys_of(TRIANGLE), "robots": 1, "robot.model": "single_integrator", "duration": 30}
+    run = simulate(make_scene("fear", keys | {"start": {"place": "stage"}}))
+    assert run.poses[-1, 0, :2] == pytest.approx(np.mean(TRIANGLE, axis=0), abs=1e-3)
+
+
+def test_disgust_lines_the_edges_of_a_hexagon(make_scene) -> None:
+    run = simulate(make_scene("disgust", {"stage": keys_of(HEXAGON), "duration": 30}))
+    before, after = (room_on_stage(run.poses[k, :, :2], run.scene.stage).mean() for k in (0, -1))
+    assert before > 2 * after
+    assert after < 0.12

@@ -1,8 +1,11 @@
 import numpy as np
 import pytest
 from scipy.spatial.distance import pdist
+from stages import HEXAGON, THIN, TRIANGLE, keys_of
 
 from emovid.errors import SceneError
+from emovid.scene.model import Scene
+from emovid.swarm.clearance import room_on_stage
 from emovid.swarm.contours import followed_points, start_angles
 from emovid.swarm.start import start_poses
 from emovid.swarm.unicycle import look_ahead
@@ -67,3 +70,47 @@ def test_listed_bodies_may_not_overlap(make_scene) -> None:
 def test_a_thousand_robots_find_room_on_a_large_stage(make_scene) -> None:
     scene = make_scene("anger", {"robots": 1000, "stage.width": 5.0, "stage.height": 4.0})
     assert pdist(start_poses(scene, rng())[:, :2]).min() >= 0.06
+
+
+# --- stages of any shape ---------------------------------------------------------------------------------------------
+
+
+def on_stage(make_scene, corners: list[tuple[float, float]], **keys: object) -> Scene:
+    return make_scene("anger", {"stage": keys_of(corners), "behaviour.density": {"kind": "uniform"}} | keys)
+
+
+@pytest.mark.parametrize("corners", [HEXAGON, TRIANGLE, THIN])
+def test_random_starts_are_on_a_stage_of_any_shape(make_scene, corners) -> None:
+    scene = on_stage(make_scene, corners, robots=8)
+    points = np.concatenate([start_poses(scene, rng(seed))[:, :2] for seed in range(20)])
+    room = room_on_stage(points, scene.stage)
+    assert room.min() >= scene.robot.body.radius - 1e-9
+    assert room.min() < scene.robot.body.radius + 0.01  # up to the edge
+
+
+def test_random_starts_are_uniform_on_a_triangle(make_scene) -> None:
+    corners = np.array([[1.0, -1.0], [4.0, -1.0], [1.0, 3.0]])  # 3-4-5: its circle is about (2, 0), of radius 1
+    scene = on_stage(make_scene, corners.tolist(), robots=100, **{"start.min_spacing": None})
+    poses = np.concatenate([start_poses(scene, rng(seed))[:, :2] for seed in range(20)])
+    # Less the body it is the same triangle, smaller, about the same circle.
+    inside = [2, 0] + (1 - scene.robot.body.radius) * (corners - [2, 0])
+    middle = inside.mean(axis=0)
+    # A triangle's covariance is that of its corners, over 4: spacing only evens the starts out.
+    covariance = (inside - middle).T @ (inside - middle) / 12
+    assert poses.mean(axis=0) == pytest.approx(middle, abs=0.05)
+    assert np.cov(poses.T) == pytest.approx(covariance, rel=0.06)
+
+
+def test_a_thin_stage_aslant_is_filled_though_few_darts_hit_it(make_scene) -> None:
+    # 20 m long and 0.1 m wide: one dart in 160 falls on what bodies leave of it.
+    along, across = np.array([np.sqrt(0.5), np.sqrt(0.5)]), np.array([-np.sqrt(0.5), np.sqrt(0.5)])
+    corners = [(i * along + j * across).tolist() for i, j in ((-10, -0.05), (10, -0.05), (10, 0.05), (-10, 0.05))]
+    poses = start_poses(on_stage(make_scene, corners, robots=220), rng())
+    assert pdist(poses[:, :2]).min() >= 0.06
+    assert np.abs(poses[:, :2] @ along).max() > 9
+
+
+def test_a_rectangle_by_its_corners_has_the_same_starts(make_scene) -> None:
+    corners = [(-0.6, 0.4), (0.6, 0.4), (0.6, -0.4), (-0.6, -0.4)]
+    by_corners = make_scene("anger", {"stage": keys_of(corners)})
+    assert np.array_equal(start_poses(by_corners, rng()), start_poses(make_scene("anger"), rng()))

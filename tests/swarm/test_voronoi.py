@@ -4,11 +4,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from polygons import area, mirrored_voronoi, shoelace
 
-from emovid.scene.model import Stage
+from emovid.scene.stage import Rectangle
 from emovid.swarm.coverage import corners_of
 from emovid.swarm.voronoi import voronoi_cells
 
-STAGE = Stage(width=1.2, height=0.8)
+STAGE = Rectangle(width=1.2, height=0.8)
 CORNERS = corners_of(STAGE)
 # A coarse grid makes coincident points, points on a line, and points on the edge likely.
 POINT = st.tuples(st.integers(-12, 12), st.integers(-8, 8)).map(lambda p: (p[0] / 20, p[1] / 20))

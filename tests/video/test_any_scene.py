@@ -3,13 +3,17 @@
 import numpy as np
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from reference import whole_frame
+from stages import HEXAGON, THIN, TRIANGLE, keys_of
 
 from emovid.errors import SceneError
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, load_scene
+from emovid.swarm.clearance import room_on_stage
 from emovid.swarm.simulate import simulate
 from emovid.swarm.summary import summarise
 from emovid.video.draw import Painter
+from emovid.video.yuv import Yuv420
 
 MAGNITUDES = st.sampled_from([1e-300, 1e-6, 1e-3, 0.01, 0.05, 0.1, 0.3, 0.5, 1.0, 2.0, 10.0, 100.0, 1000.0])
 COUNTS = st.sampled_from([0, 1, 2, 3, 7, 40])
@@ -22,8 +26,12 @@ KEYS = {
     **dict.fromkeys(("robot.limits.v_max", "robot.limits.omega_max", "robot.limits.wheel_max"), MAGNITUDES),
     **dict.fromkeys(("video.trails.width", "video.trails.seconds", "start.region.width"), MAGNITUDES),
     **dict.fromkeys(("robots", "behaviour.f", "video.fps", "video.trails.robots", "seed"), COUNTS),
+    "stage": st.sampled_from([HEXAGON, TRIANGLE, THIN, TRIANGLE[:2], HEXAGON + HEXAGON]).map(keys_of),
     "robot.model": st.sampled_from(["gritsbot", "single_integrator"]),
     "video.size": st.sampled_from(["64x64", "66x300", "2000x64"]),
+    "video.trails": st.sampled_from([{"robots": None}, {"seconds": 0.1, "fade": True}, {"fade": True}]),
+    "video.theme": st.sampled_from(["light", "dark"]),
+    **dict.fromkeys([f"video.overlays.{name}" for name in ("density", "cells", "targets", "clock")], st.booleans()),
 }
 SETTING = st.sampled_from(sorted(KEYS)).flatmap(lambda key: st.tuples(st.just(key), KEYS[key]))
 
@@ -47,10 +55,13 @@ def test_any_scene_is_drawn_or_refused_in_one_line(emotion, pairs) -> None:
         return
     assert np.isfinite(run.poses).all()
     assert np.isfinite(run.commands).all()
-    half = np.array([scene.stage.width, scene.stage.height]) / 2 - scene.robot.body.radius
-    assert (np.abs(run.poses[..., :2]) <= half + 1e-9).all()
+    points = run.poses[..., :2].reshape(-1, 2)
+    assert room_on_stage(points, scene.stage).min() >= scene.robot.body.radius - 1e-9
     if getattr(scene.behaviour, "separation", None) is not None and scene.robots > 1:
         assert summarise(run).body_distance >= scene.behaviour.separation - 1e-8
-    painter = Painter(run)
+    painter, planes = Painter(run), Yuv420(scene.video.width, scene.video.height)
     for t in (0.0, scene.duration / 2, scene.duration):
-        assert painter.frame(t).shape == (scene.video.height, scene.video.width, 4)
+        frame = painter.frame(t)
+        assert frame.shape == (scene.video.height, scene.video.width, 4)
+        assert (frame[..., 3] == 255).all()
+        assert np.array_equal(planes.convert(frame, painter.changed()), whole_frame(frame))

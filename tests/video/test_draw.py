@@ -1,13 +1,18 @@
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
+from stages import HEXAGON, THIN, TRIANGLE, keys_of
 
+from emovid.looks import robot_parts, robot_rim, trailed_robots
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import load_scene
 from emovid.scene.robots import BODIES
-from emovid.scene.video import Colours
+from emovid.scene.video import THEMES, Colours, Overlays
+from emovid.swarm.coverage import coverage_velocity
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
-from emovid.video.draw import Painter, robot_parts, trailed_robots
+from emovid.video.draw import Painter
+from emovid.video.overlays import targets_of
 
 BACK = np.array([0xFA, 0xFA, 0xF7])
 
@@ -98,6 +103,43 @@ def test_the_drawn_outline_lies_within_the_body_that_spacing_is_measured_with(mo
     assert np.hypot(*corners.T).max() > body.radius - 1e-3
 
 
+@pytest.mark.parametrize("model", BODIES)
+def test_the_rim_of_a_robot_is_all_that_is_near_it(model) -> None:
+    body, rim = BODIES[model], 0.0012
+    outline = robot_rim(body, rim)
+    parts = [path.interpolated(40).to_polygons() for name, path in robot_parts(body).items() if name != "front"]
+    edge = np.concatenate([polygon for polygons in parts for polygon in polygons])
+    angle = np.linspace(0, 2 * np.pi, 24)
+    around = edge[:, None] + np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    near = edge[:, None] + 0.97 * rim * (around - edge[:, None])
+    assert outline.contains_points(near.reshape(-1, 2)).all()
+    corners = np.asarray(outline.vertices)
+    far = np.hypot(*(corners[:, None] - edge).transpose(2, 0, 1)).min(axis=1)
+    covered = np.any([path.contains_points(corners) for path in robot_parts(body).values()], axis=0)
+    assert far[~covered].max() < 1.02 * rim
+
+
+@pytest.mark.parametrize("corners", [TRIANGLE, HEXAGON, THIN])
+def test_a_stage_of_any_shape_is_drawn_with_its_edge_and_what_is_around_it(make_scene, corners) -> None:
+    middle = np.mean(corners, axis=0)
+    painter = Painter(parked(make_scene, [(*middle, 0.0)], stage=keys_of(corners), **{"video.size": "1280x960"}))
+    frame = painter.frame(0.0)[..., :3]
+    rows, columns = np.mgrid[:960, :1280]
+    at = painter.camera.metres(np.stack([columns + 0.5, 960 - rows - 0.5], axis=-1))
+    inside, to_corner = np.full((2, 960, 1280), np.inf)
+    for (x0, y0), (x1, y1) in zip(corners, [*corners[1:], corners[0]], strict=True):
+        x, y = at[..., 0] - x0, at[..., 1] - y0
+        left = ((x1 - x0) * y - (y1 - y0) * x) / np.hypot(x1 - x0, y1 - y0)  # of the line from corner to corner
+        inside, to_corner = np.minimum(inside, left), np.minimum(to_corner, np.hypot(x, y))
+    pixel, width = 1 / painter.camera.scale, 0.003
+    robot = np.hypot(*(at - middle).transpose(2, 0, 1)) < 0.022
+    line = (inside < -pixel) & (inside > pixel - width) & (to_corner > 0.02)
+    assert line.sum() > 500
+    assert (frame[(inside > pixel) & ~robot] == BACK).all()
+    assert (frame[line] == [0x9A, 0x9E, 0xA8]).all()
+    assert (frame[inside < -width - pixel] == [0xE3, 0xE4, 0xE8]).all()
+
+
 @pytest.mark.parametrize(
     ("robots", "trails", "expected"), [(15, 5, [0, 3, 6, 9, 12]), (3, 5, [0, 1, 2]), (4, 0, []), (12, 4, [0, 3, 6, 9])]
 )
@@ -148,6 +190,131 @@ def test_no_robot_has_a_trail_at_the_start(make_scene) -> None:
     assert (ink(shown) > 0).sum() == pytest.approx((ink(none.frame(0.0)) > 0).sum(), abs=2)
 
 
+def test_a_trail_fades_towards_its_old_end(make_scene) -> None:
+    # On one line: the older, the nearer to the stage's colour.
+    keys = {"video.trails.robots": None, "video.trails.seconds": 2.0, "video.trails.fade": True, "duration": 3}
+    run = simulate(make_scene("sadness", keys | {"robots": 1, "behaviour.angular_rate": 1.0}))
+    painter = Painter(run)
+    frame = ink(painter.frame(3.0))
+    shades = []
+    for age in (0.4, 0.8, 1.2, 1.6):
+        x, y = painter.camera.pixels(run.at(np.array([3.0 - age]))[0, 0, :2])
+        shades.append(frame[int(720 - y) - 1 : int(720 - y) + 2, int(x) - 1 : int(x) + 2].max())
+    whole = np.abs(np.array([0x16, 0x84, 0xEA]) - BACK).sum()
+    assert shades == pytest.approx([whole * (1 - age / 2) for age in (0.4, 0.8, 1.2, 1.6)], abs=0.07 * whole)
+
+
+def test_all_robots_can_leave_a_trail() -> None:
+    assert trailed_robots(7, None).tolist() == list(range(7))
+
+
+def test_what_lies_below_does_not_shine_through_the_edge_of_a_robot(make_scene) -> None:
+    # A small robot on a broad red line: the edge of its body is body, rim or a mixture of the two. A rim that was a
+    # mere line around the body, with nothing below the body's edge, let 25 levels of red through.
+    keys = {"video.trails.robots": 0, "video.colours.front": "#4a5160", "video.size": "320x240"}
+    run = parked(make_scene, [(0.0, 0.0, 0.6)], **keys)
+    painter = Painter(run)
+    painter._canvas.lines([np.array([[0.0, 120.0], [320.0, 120.0]])], np.array([[1.0, 0.0, 0.0, 1.0]]), 150.0)
+    painter._canvas.keep()
+    frame = painter.frame(0.0)[..., :3].astype(float)
+    assert frame[120, 140].tolist() == [255, 0, 0]
+    rows, columns = np.mgrid[:240, :320] + 0.5
+    body = run.scene.robot.body
+    turned = np.exp(-0.6j) * ((columns - 160) + 1j * (120 - rows)) / painter.camera.scale
+    edge = body.width / 2 + 0.0004  # of the pixels whose middles are just outside the body
+    near = (np.abs(turned.real) < edge) & (np.abs(turned.imag) < edge)
+    near &= np.abs(turned.real) + np.abs(turned.imag) < body.width - 1.5 * body.corner
+    rim, way = BACK, np.array([0x4A, 0x51, 0x60]) - BACK
+    share = np.clip((frame[near] - rim) @ way / (way @ way), 0, 1)
+    assert near.sum() > 40
+    assert np.abs(frame[near] - (rim + share[:, None] * way)).max() < 12
+
+
+# --- overlays --------------------------------------------------------------------------------------------------------
+
+
+def test_study_videos_have_no_overlays() -> None:
+    assert all(load_scene(emotion).video.overlays == Overlays() for emotion in EMOTIONS)
+    assert not any(dict(Overlays()).values())
+
+
+def shown_by(make_scene, emotion: str, overlay: str, t: float, **keys: object) -> tuple[np.ndarray, Painter]:
+    """Return how a frame differs with and without an overlay, and its painter."""
+    keys = {"video.trails.robots": 0, "duration": 2} | keys
+    run = simulate(make_scene(emotion, keys))
+    painter = Painter(simulate(make_scene(emotion, keys | {f"video.overlays.{overlay}": True})))
+    difference = painter.frame(t)[..., :3].astype(int) - Painter(run).frame(t)[..., :3]
+    return np.abs(difference).sum(axis=-1), painter
+
+
+@pytest.mark.parametrize("theme", THEMES)
+def test_the_density_is_its_own_colour_where_it_peaks_and_nothing_where_it_is_none(make_scene, theme) -> None:
+    keys = {"video.overlays.density": True, "video.theme": theme, "behaviour.density.sigma": 0.05}
+    keys |= {"behaviour.density.centre": {"x": 0.3, "y": -0.2}, "video.trails.robots": 0, "duration": 1, "robots": 1}
+    run = simulate(make_scene("anger", keys | {"start": {"place": "poses", "poses": [{"x": -0.5, "y": 0.3}]}}))
+    painter = Painter(run)
+    frame = painter.frame(0.0)[::-1, :, :3].astype(float)
+    colours = run.scene.video.palette
+    dense, stage = (255 * np.array(to_rgb(colour)) for colour in (colours.density, colours.stage))
+    for offset in ((0.0, 0.0), (0.03, 0.0), (-0.06, 0.02), (0.0, 0.05), (0.0, -0.05), (0.3, 0.1)):
+        x, y = painter.camera.pixels(np.array([0.3, -0.2]) - offset).astype(int)
+        middle = painter.camera.metres(np.array([x + 0.5, y + 0.5]))
+        share = np.exp(-0.5 * np.sum((middle - [0.3, -0.2]) ** 2) / 0.05**2)
+        assert frame[y, x] == pytest.approx(stage + share * (dense - stage), abs=0.6)
+
+
+def test_the_density_ends_at_the_edge_of_any_stage(make_scene) -> None:
+    corners = [{"x": 0, "y": 0}, {"x": 1, "y": 0}, {"x": 0, "y": 0.8}]
+    keys = {"stage": {"corners": corners}, "start.min_spacing": 0.05, "robots": 1, "start.place": "stage"}
+    keys |= {"start": {"place": "stage"}, "behaviour.separation": None}
+    difference, painter = shown_by(make_scene, "fear", "density", 0.0, **keys)
+    rows, columns = np.nonzero(difference)
+    at = painter.camera.metres(np.stack([columns + 0.5, 720 - rows - 0.5], axis=-1))
+    assert (at.min(axis=0) > -1e-9).all()
+    assert (0.8 * at[:, 0] + at[:, 1]).max() < 0.8 + 1e-9
+    assert len(rows) == pytest.approx(0.4 * painter.camera.scale**2, rel=0.02)  # a triangle of 0.4 m^2, less a robot
+
+
+def test_edges_of_cells_are_as_far_from_the_two_nearest_robots(make_scene) -> None:
+    difference, painter = shown_by(make_scene, "disgust", "cells", 1.0)
+    rows, columns = np.nonzero(difference > 100)
+    at = painter.camera.metres(np.stack([columns + 0.5, 720 - rows - 0.5], axis=-1))
+    inside = (np.abs(at) < [0.59, 0.39]).all(axis=1)  # not the stage's own edge
+    robots = painter._trajectory.at(np.array([1.0]))[0, :, :2]
+    distance = np.sort(np.hypot(*(at[inside, None] - robots).transpose(2, 0, 1)), axis=1)
+    assert inside.sum() > 2000
+    assert (distance[:, 1] - distance[:, 0]).max() * painter.camera.scale < 6  # a line of 1.3 pixels, seen from afar
+    assert np.median(distance[:, 1] - distance[:, 0]) * painter.camera.scale < 1
+
+
+@pytest.mark.parametrize("emotion", ["happiness", "disgust"])
+def test_targets_stand_where_the_robots_head_for(make_scene, emotion) -> None:
+    difference, painter = shown_by(make_scene, emotion, "targets", 1.0)
+    run = painter._trajectory
+    points = run.at(np.array([1.0]))[0, :, :2]
+    targets = targets_of(run.scene, points, 1.0)
+    if emotion == "happiness":  # r(theta) = R + A sin(6 theta), at theta_i(0) + t
+        theta = 2 * np.pi * np.arange(1, 16) / 15 + run.scene.behaviour.angular_rate
+        r = run.scene.behaviour.R + run.scene.behaviour.A * np.sin(6 * theta)
+        assert targets == pytest.approx(np.stack([r * np.cos(theta), r * np.sin(theta)], axis=-1))
+    else:  # the law: u = kappa (c - p)
+        law = run.scene.behaviour.model_copy(update={"u_max": None})
+        assert targets - points == pytest.approx(coverage_velocity(law, run.scene.stage, points) / law.kappa)
+    for x, y in painter.camera.pixels(targets).astype(int):
+        assert painter.frame(1.0)[719 - y, x, :3] == pytest.approx([0x14, 0x16, 0x1B], abs=3)
+        assert difference[719 - y, x] > 0
+
+
+def test_the_clock_is_in_the_corner_off_the_stage_and_runs(make_scene) -> None:
+    difference, painter = shown_by(make_scene, "fear", "clock", 1.5, **{"video.size": "640x360"})
+    rows, columns = np.nonzero(difference)
+    assert rows.max() < 0.035 * 360
+    assert columns.max() < 80
+    assert len(rows) > 100
+    shown = {t: painter.frame(t).copy() for t in (0.0, 0.3, 1.5)}
+    assert len({picture[:12, :80].tobytes() for picture in shown.values()}) == 3
+
+
 # --- colours ---------------------------------------------------------------------------------------------------------
 
 # G. M. Machado, M. M. Oliveira and L. A. F. Fernandes, "A physiologically-based model for simulation of color vision
@@ -179,18 +346,39 @@ def contrast(a: str, b: str) -> float:
     return (light[0] + 0.05) / (light[1] + 0.05)
 
 
-@pytest.mark.parametrize("colour", Colours().trails)
-def test_trails_stand_out_from_the_stage_in_luminance(colour) -> None:
-    assert contrast(colour, Colours().stage) > 3.5  # WCAG asks 3 of graphics
+@pytest.mark.parametrize("theme", THEMES)
+def test_trails_stand_out_from_the_stage_in_luminance(theme) -> None:
+    for colour in THEMES[theme].trails:
+        assert contrast(colour, THEMES[theme].stage) > 3.5, colour  # WCAG asks 3 of graphics
 
 
+@pytest.mark.parametrize("theme", THEMES)
+def test_robots_and_overlays_can_be_seen_in_every_theme(theme) -> None:
+    colours = THEMES[theme]
+    assert contrast(colours.body, colours.stage) > 4.5
+    assert contrast(colours.front, colours.body) > 4.5
+    assert contrast(colours.wheels, colours.stage) > 7
+    assert contrast(colours.boundary, colours.stage) > 2
+    assert contrast(colours.overlay, colours.stage) > 7
+    assert contrast(colours.overlay, colours.surround) > 7
+    assert contrast(colours.density, colours.stage) > 1.5  # where it is highest
+    for colour in (colours.body, *colours.trails):
+        assert contrast(colour, colours.density) > 1.75, colour
+
+
+@pytest.mark.parametrize("theme", THEMES)
 @pytest.mark.parametrize("deficiency", DEFICIENCIES)
-def test_trails_differ_for_colour_blind_eyes(deficiency) -> None:
+def test_trails_differ_for_colour_blind_eyes(deficiency, theme) -> None:
     matrix = np.array(DEFICIENCIES[deficiency])
-    seen = [lab(np.clip(matrix @ linear(colour), 0, 1)) for colour in Colours().trails]
+    seen = [lab(np.clip(matrix @ linear(colour), 0, 1)) for colour in THEMES[theme].trails]
     closest = min(np.linalg.norm(a - b) for i, a in enumerate(seen) for b in seen[:i])
     assert closest > 25  # 2.3 is just noticeable
 
 
 def test_shipped_scenes_have_the_tested_colours() -> None:
-    assert all(load_scene(emotion).video.colours == Colours() for emotion in EMOTIONS)
+    assert all(load_scene(emotion).video.palette == Colours() == THEMES["light"] for emotion in EMOTIONS)
+
+
+def test_a_scene_s_own_colours_come_before_the_theme_s(make_scene) -> None:
+    video = make_scene("fear", {"video.theme": "dark", "video.colours.body": "#123456"}).video
+    assert video.palette == THEMES["dark"].model_copy(update={"body": "#123456"})

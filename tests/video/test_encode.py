@@ -9,10 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mp4 import decode
+from PIL import Image
 
-from emovid.errors import EmovidError, RenderError
+from emovid.errors import EmovidError, InputError, RenderError
 from emovid.video import encode
-from emovid.video.encode import count_frames, encoder_arguments, ffmpeg, write_video
+from emovid.video.encode import count_frames, ffmpeg, write_pictures, write_video
+from emovid.video.formats import encoder_arguments
+from emovid.video.yuv import Yuv420
 
 SIZE = (96, 64)
 
@@ -22,8 +25,14 @@ def pictures(count: int) -> list[np.ndarray]:
     return [np.full((SIZE[1], SIZE[0], 4), [20 + 8 * k] * 3 + [255], np.uint8) for k in range(count)]
 
 
+def planes(frames: list[np.ndarray]) -> list[np.ndarray]:
+    """Return frames as an encoder of videos takes them."""
+    height, width = frames[0].shape[:2]
+    return [Yuv420(width, height).convert(frame, [(0, height, 0, width)]) for frame in frames]
+
+
 def write(target: Path, count: int = 12, told: int | None = None, **keys: object) -> None:
-    write_video(pictures(count), told or count, encoder_arguments(*SIZE, 10), target, **keys)  # type: ignore[arg-type]
+    write_video(planes(pictures(count)), told or count, encoder_arguments(*SIZE, 10), target, **keys)  # type: ignore[arg-type]
 
 
 @pytest.fixture
@@ -62,9 +71,9 @@ def test_frames_are_counted_without_trusting_anyone(tmp_path) -> None:
     ("script", "message"),
     [
         ("cat > /dev/null; exit 0", "wrote 0 of 12 frames"),
-        ("head -c 50000 > /dev/null; echo 'disk on fire' >&2; exit 3", "exit status 3: disk on fire"),
+        ("head -c 20000 > /dev/null; echo 'disk on fire' >&2; exit 3", "exit status 3: disk on fire"),
         ("exit 1", "exit status 1: no message"),
-        ('head -c 100000 | "$real" "$@"; cat > /dev/null', "wrote 4 of 12 frames"),
+        ('head -c 40000 | "$real" "$@"; cat > /dev/null', "wrote 4 of 12 frames"),
     ],
     ids=["no file", "dies midway", "dies at once", "frames lost"],
 )
@@ -83,8 +92,8 @@ def test_an_ffmpeg_that_hangs_is_killed(tmp_path, use_ffmpeg, monkeypatch) -> No
     monkeypatch.setattr(encode, "_GRACE", 0.3)
     use_ffmpeg("exec sleep 1000 < /dev/null")
     started = time.monotonic()
-    with pytest.raises(RenderError, match="did not finish within"):
-        write_video(pictures(1)[:0], 0, encoder_arguments(*SIZE, 10), tmp_path / "x.mp4")
+    with pytest.raises(RenderError, match="hangs: it did nothing for"):
+        write_video([], 0, encoder_arguments(*SIZE, 10), tmp_path / "x.mp4")
     assert time.monotonic() - started < 30
     assert left(tmp_path) == []
 
@@ -194,9 +203,78 @@ def test_bytes_do_not_depend_on_the_processor(tmp_path, before, after) -> None:
     for k, frame in enumerate(noise):
         frame[20:90, 10 + 4 * k : 70 + 4 * k, :3] = rng.integers(0, 255, (70, 60, 3), np.uint8)
     arguments = encoder_arguments(160, 128, 10)
+    noise = planes(noise)
     write_video(noise, 15, arguments, tmp_path / "a.mp4")
     other = [*before, *arguments]
     place = other.index("-x264-params") + 1
     other[place] = ":".join([other[place], *after])
     write_video(noise, 15, other, tmp_path / "b.mp4")
     assert (tmp_path / "a.mp4").read_bytes() == (tmp_path / "b.mp4").read_bytes()
+
+
+@pytest.mark.parametrize("width_of_vectors", ["0", "0x3F"], ids=["no SIMD", "SSE4"])
+def test_bytes_of_a_webm_do_not_depend_on_the_processor(tmp_path, monkeypatch, width_of_vectors) -> None:
+    arguments = encoder_arguments(*SIZE, 10, "webm")
+    write_video(planes(pictures(12)), 12, arguments, tmp_path / "a.webm")
+    monkeypatch.setenv("VPX_SIMD_CAPS", width_of_vectors)
+    write_video(planes(pictures(12)), 12, ["-cpuflags", "0", *arguments], tmp_path / "b.webm")
+    assert (tmp_path / "a.webm").read_bytes() == (tmp_path / "b.webm").read_bytes()
+
+
+# --- sequences of pictures -------------------------------------------------------------------------------------------
+
+
+def write_sequence(target: Path, count: int = 12, **keys: object) -> None:
+    write_pictures(pictures(count), count, encoder_arguments(*SIZE, 10, "png-sequence"), target, **keys)  # type: ignore[arg-type]
+
+
+def test_pictures_are_the_frames_to_the_last_bit(tmp_path) -> None:
+    write_sequence(tmp_path / "x%d")
+    assert left(tmp_path) == ["x%d"]
+    assert left(tmp_path / "x%d") == [f"{k:05d}.png" for k in range(12)]
+    for k, frame in enumerate(pictures(12)):
+        assert np.array_equal(np.asarray(Image.open(tmp_path / "x%d" / f"{k:05d}.png")), frame[..., :3])
+
+
+def test_a_sequence_takes_the_place_of_a_longer_one(tmp_path) -> None:
+    write_sequence(tmp_path / "x", 12)
+    write_sequence(tmp_path / "x", 3)
+    assert left(tmp_path) == ["x"]
+    assert left(tmp_path / "x") == ["00000.png", "00001.png", "00002.png"]
+
+
+def test_an_interruption_leaves_the_old_sequence(tmp_path) -> None:
+    def interrupt(frames: int) -> None:
+        if frames == 5:
+            raise KeyboardInterrupt
+
+    write_sequence(tmp_path / "x", 3)
+    with pytest.raises(KeyboardInterrupt):
+        write_sequence(tmp_path / "x", on_frame=interrupt)
+    assert left(tmp_path) == ["x"]
+    assert len(left(tmp_path / "x")) == 3
+
+
+def test_pictures_that_are_missing_are_counted(tmp_path, use_ffmpeg) -> None:
+    use_ffmpeg('head -c 100000 | "$real" "$@"; cat > /dev/null')
+    with pytest.raises(RenderError, match=r"x: ffmpeg wrote 4 of 12 frames$"):
+        write_sequence(tmp_path / "x")
+    assert left(tmp_path) == []
+
+
+@pytest.mark.parametrize(("name", "message"), [("x", "is a file"), ("x/notes.txt", "holds notes.txt")])
+def test_a_sequence_replaces_nothing_else(tmp_path, name, message) -> None:
+    (tmp_path / name).parent.mkdir(exist_ok=True)
+    (tmp_path / name).write_text("mine")
+    with pytest.raises(InputError, match=message):
+        write_sequence(tmp_path / "x")
+    assert (tmp_path / name).read_text() == "mine"
+    assert left(tmp_path) == ["x"]
+
+
+def test_what_a_killed_process_left_of_a_sequence_is_cleared(tmp_path) -> None:
+    stale = tmp_path / f".x.{os.uname().nodename}-999999999.part"
+    stale.mkdir()
+    (stale / "00000.png").write_bytes(b"")
+    write_sequence(tmp_path / "x", 2)
+    assert left(tmp_path) == ["x"]

@@ -1,13 +1,17 @@
+import re
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from mp4 import decode
+from mp4 import decode, stream_line
+from PIL import Image
 
 from emovid import load_scene, render_video, simulate
 from emovid.swarm.files import load_trajectory, save_trajectory
 from emovid.video.draw import Painter
-from emovid.video.render import frames, video_arguments
+from emovid.video.encode import count_frames
+from emovid.video.render import frames, frames_checksum, video_arguments
+from emovid.whole_files import file_digest
 
 SMALL = {"video.size": "160x120", "video.fps": 10, "duration": 2}
 
@@ -61,3 +65,70 @@ def test_the_public_api_is_three_words(tmp_path) -> None:
     scene = load_scene("sadness").model_copy(update={"duration": 0.5})
     render_video(simulate(scene), tmp_path / "x.mp4")
     assert (tmp_path / "x.mp4").stat().st_size > 1000
+
+
+def test_the_checksum_is_of_the_frames_that_were_drawn(make_scene, tmp_path) -> None:
+    def checksum(**keys: object) -> str:
+        return render_video(simulate(make_scene("anger", SMALL | keys)), tmp_path / "x")
+
+    plain = checksum()
+    assert plain == checksum(**{"video.format": "gif"}) == frames_checksum(simulate(make_scene("anger", SMALL)))
+    later = {"video.colours.trails": ["#1684ea", "#e15319", "#005432", "#c25d96", "#3d00e5"]}
+    others = [checksum(**keys) for keys in ({"seed": 2}, {"video.overlays.clock": True}, {"duration": 1.9}, later)]
+    assert len({plain, *others}) == 5
+
+
+# --- formats ---------------------------------------------------------------------------------------------------------
+
+FILES = ("mp4", "webm", "gif")
+
+
+def rendered(make_scene, target, format: str, **keys: object):
+    run = simulate(make_scene("anger", SMALL | {"video.format": format} | keys))
+    render_video(run, target)
+    return run
+
+
+@pytest.mark.parametrize("format", FILES)
+def test_every_format_shows_every_frame_at_its_time(make_scene, tmp_path, format) -> None:
+    run = rendered(make_scene, tmp_path / "x", format)
+    assert count_frames(tmp_path / "x") == 20
+    shown = decode(tmp_path / "x", 160, 120).astype(int)
+    wanted = np.stack([frame[..., :3].astype(int) for frame in frames(run)])
+    error = np.abs(shown[:, None] - wanted).mean(axis=(2, 3, 4))
+    assert (error.argmin(axis=1) == range(20)).all()
+    assert error.diagonal().max() < 2.5
+    assert " 10 fps" in stream_line(tmp_path / "x")
+
+
+@pytest.mark.parametrize("format", [*FILES, "png-sequence"])
+def test_every_format_is_equal_to_the_byte(make_scene, tmp_path, format) -> None:
+    for name in ("a", "b"):
+        rendered(make_scene, tmp_path / name, format)
+    assert file_digest(tmp_path / "a") == file_digest(tmp_path / "b")
+
+
+def test_a_sequence_is_the_frames_to_the_last_bit(make_scene, tmp_path) -> None:
+    run = rendered(make_scene, tmp_path / "x", "png-sequence")
+    for k, frame in enumerate(frames(run)):
+        assert np.array_equal(np.asarray(Image.open(tmp_path / "x" / f"{k:05d}.png")), frame[..., :3]), k
+    assert len(list((tmp_path / "x").iterdir())) == k + 1 == 20
+
+
+def test_a_webm_is_tagged_in_full_and_names_nothing(make_scene, tmp_path) -> None:
+    rendered(make_scene, tmp_path / "x", "webm")
+    assert "yuv420p(tv, bt709, progressive)" in stream_line(tmp_path / "x")
+    data = (tmp_path / "x").read_bytes()
+    assert not [word for word in (b"anger", b"emovid", b"2026", b"v1.") if word in data.lower()]
+    assert b"Lavf" in data
+    assert not re.search(rb"Lav[fc][0-9]", data)  # without their versions
+
+
+def test_a_gif_is_of_the_colours_that_were_drawn(make_scene, tmp_path) -> None:
+    run = rendered(make_scene, tmp_path / "x", "gif")
+    colours = run.scene.video.palette
+    with Image.open(tmp_path / "x") as gif:
+        assert gif.info["loop"] == 0
+        shown = np.asarray(gif.convert("RGB"))
+    for place, colour in (((2, 2), colours.surround), ((20, 80), colours.stage)):
+        assert tuple(shown[place]) == tuple(bytes.fromhex(colour[1:]))

@@ -1,0 +1,176 @@
+"""What others take for such a video, side by side in one run, whole processes in turn.
+
+1. matplotlib's `FuncAnimation.save`: the same scene, simulated by us, drawn by artists that are set anew for each
+   frame, with the same encoder settings; and with frames that are thrown away. Processor time.
+2. ir-sim (PyPI), in an environment of its own that is made here and removed: 15 robots for 12 s at 30 frames a second,
+   with the trajectories of five. Wall time. Without a network it is not measured.
+
+Usage: python benchmarks/peers.py [ROUNDS]
+"""
+
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from statistics import median
+
+from emovid.video.encode import ffmpeg
+
+CPU_LIMIT, WALL_LIMIT = 8.0, 12.0
+ENVIRONMENT = {"MPLBACKEND": "Agg", "OPENBLAS_NUM_THREADS": "1"}  # the latter as `emovid` sets it, for all alike
+
+ANIMATION = """
+import sys
+
+import matplotlib
+import numpy as np
+
+matplotlib.use("Agg")
+matplotlib.rcParams["animation.ffmpeg_path"] = sys.argv[2]
+from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, FuncAnimation
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch, Rectangle
+from matplotlib.transforms import Affine2D
+
+from emovid import load_scene, simulate
+from emovid.looks import robot_parts, robot_rim, trailed_robots
+
+scene = load_scene("anger")
+run, colours, video = simulate(scene), scene.video.palette, scene.video
+poses = run.at(np.arange(scene.frames) / video.fps)
+figure = Figure(figsize=(12.8, 7.2), dpi=100, facecolor=colours.surround)
+axes = figure.add_axes((0, 0, 1, 1), xlim=(-0.765, 0.765), ylim=(-0.43, 0.43))
+axes.set_axis_off()
+axes.add_patch(Rectangle((-0.6, -0.4), 1.2, 0.8, facecolor=colours.stage, edgecolor=colours.boundary, lw=2))
+trailed = trailed_robots(scene.robots, video.trails.robots).tolist()
+lines = [axes.plot([], [], color=colour, lw=2.4)[0] for colour in colours.trails]
+parts = {"rim": robot_rim(scene.robot.body, 0.0012), **robot_parts(scene.robot.body)}
+robots = []
+for robot in range(scene.robots):
+    body = colours.trails[trailed.index(robot)] if robot in trailed else colours.body
+    faces = {"rim": colours.stage, "wheels": colours.wheels, "body": body, "front": colours.front}
+    robots.append([axes.add_patch(PathPatch(path, facecolor=faces[name], lw=0)) for name, path in parts.items()])
+
+
+def draw(k):
+    for robot, patches in enumerate(robots):
+        x, y, heading = poses[k, robot]
+        for patch in patches:
+            patch.set_transform(Affine2D().rotate(heading).translate(x, y) + axes.transData)
+    for robot, line in zip(trailed, lines, strict=True):
+        line.set_data(*poses[: k + 1, robot, :2].T)
+
+
+class Nothing(AbstractMovieWriter):
+    def setup(self, *settings, **keys):
+        super().setup(*settings, **keys)
+
+    def grab_frame(self, **keys):
+        self.fig.savefig(open("/dev/null", "wb"), format="rgba", dpi=self.dpi)
+
+    def finish(self):
+        pass
+
+
+settings = "-preset veryfast -crf 16 -profile:v high -g 30 -keyint_min 30 -sc_threshold 0 -bf 0 -threads 1".split()
+writer = Nothing(video.fps)
+if sys.argv[2] != "none":
+    writer = FFMpegWriter(fps=video.fps, codec="libx264", extra_args=[*settings, "-pix_fmt", "yuv420p"])
+FuncAnimation(figure, draw, frames=scene.frames).save(sys.argv[1], writer=writer, dpi=100)
+"""
+
+DRAWING = """
+from emovid import load_scene, simulate
+from emovid.video.render import frames
+
+for _ in frames(simulate(load_scene("anger"))):
+    pass
+"""
+
+WORLD = """
+world: {height: 0.8, width: 1.2, step_time: 0.0333333333, sample_time: 0.0333333333, collision_mode: unobstructed}
+robot:
+""" + "".join(
+    f"""  - kinematics: {{name: diff}}
+    shape: {{name: circle, radius: 0.0175}}
+    state: [{0.2 + 0.2 * (i % 5)}, {0.2 + 0.2 * (i // 5)}, 0]
+    goal: [{1.0 - 0.2 * (i % 5)}, {0.6 - 0.2 * (i // 5)}, 0]
+    behavior: {{name: dash}}
+    vel_max: [0.05, 3]
+    plot: {{show_trajectory: {i % 3 == 0}, show_goal: False, show_arrow: False}}
+"""
+    for i in range(15)
+)
+
+IR_SIM = """
+import irsim
+
+env = irsim.make("world.yaml", display=False, save_ani=True, log_level="ERROR")
+for _ in range(360):
+    env.step()
+    env.render(0)
+env.end(0, suffix=".mp4", fps=30)
+"""
+
+
+def cost(command: list[str], folder: Path) -> tuple[float, float]:
+    """Return the processor time of a command and all it starts, and its wall time [s]."""
+    before, started = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    subprocess.run(command, cwd=folder, check=True, capture_output=True, env=os.environ | ENVIRONMENT)
+    wall, after = time.perf_counter() - started, resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, wall
+
+
+def render(*arguments: str) -> list[str]:
+    """Return the command that renders anger."""
+    return [sys.executable, "-m", "emovid", "render", "--emotion", "anger", "--force", "--quiet", *arguments]
+
+
+def compare(what: str, ours: list[str], theirs: list[str], column: int, limit: float, rounds: int, folder: Path) -> str:
+    """Return a row of the table: medians of rounds in which the two take turns to be first."""
+    pairs = []
+    for k in range(rounds):
+        first, second = (theirs, ours) if k % 2 else (ours, theirs)
+        times = [cost(command, folder)[column] for command in (first, second)]
+        pairs.append(times[::-1] if k % 2 else times)
+    mine, other = (median(times) for times in zip(*pairs, strict=True))
+    ratio = median(b / a for a, b in pairs)
+    return f"{what:<38}{mine:>8.2f} s{other:>10.2f} s{ratio:>8.1f}   at least {limit:g}"
+
+
+def ir_sim(folder: Path) -> list[str] | None:
+    """Return the command that makes ir-sim's clip, in an environment of its own; None if that cannot be made."""
+    python = folder / "environment" / "bin" / "python"
+    (folder / "world.yaml").write_text(WORLD)
+    try:
+        subprocess.run([sys.executable, "-m", "venv", str(python.parents[1])], check=True, capture_output=True)
+        install = [str(python), "-m", "pip", "install", "--quiet", "ir-sim", "imageio-ffmpeg"]
+        subprocess.run(install, check=True, capture_output=True, timeout=600)
+    except (subprocess.CalledProcessError, subprocess.TimeoutExpired):
+        return None
+    return [str(python), "-c", IR_SIM]
+
+
+def main() -> None:
+    """Print the table, with the limits beside."""
+    rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 3
+    print(f"{'':<38}{'emovid':>10}{'theirs':>12}{'ratio':>8}   limit")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        animation = [sys.executable, "-c", ANIMATION, "theirs.mp4"]
+        ours = render("-o", "ours.mp4")
+        print(compare("FuncAnimation.save", ours, [*animation, ffmpeg()], 0, CPU_LIMIT, rounds, folder), flush=True)
+        ours = [sys.executable, "-c", DRAWING]
+        print(compare("the same, not encoded", ours, [*animation, "none"], 0, CPU_LIMIT, rounds, folder), flush=True)
+        if command := ir_sim(folder):
+            clip = render("-o", "ours.mp4", "--set", "duration=12")
+            print(compare("ir-sim, 12 s of 15 robots, wall time", clip, command, 1, WALL_LIMIT, rounds, folder))
+        else:
+            print("ir-sim: not measured, since it cannot be installed from here")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,109 @@
+"""Many jobs: which are done, and making the others. The door of this room."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import closing, contextmanager
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+from emovid.batch.cluster import connected
+from emovid.batch.job import Job, Record, is_current, make
+from emovid.batch.ledger import Ledger, read_ledger
+from emovid.batch.local import InProcess, Processes
+from emovid.batch.pool import Hear, Pool
+from emovid.batch.run import run
+from emovid.errors import EmovidError
+from emovid.whole_files import clear_leftovers, make_folder
+
+
+class Reporter(Protocol):
+    """Is told how the work goes, by the thread that asked for it or by another one of its process."""
+
+    def advanced(self, job: Job, done: int, total: int) -> None:
+        """A job has `done` of `total` steps done."""
+
+    def finished(self, job: Job, record: Record, *, made: bool) -> None:
+        """A job's result is there: made now, or before."""
+
+    def died(self, job: Job, attempt: int) -> None:
+        """The worker that did a job has died, for the `attempt`th time; the job is tried again."""
+
+
+class Made(NamedTuple):
+    """What came of jobs, by target: a record of each that is done, and why the others are not."""
+
+    records: dict[Path, Record]
+    failures: dict[Path, EmovidError]
+
+
+def done_before(jobs: Sequence[Job], reporter: Reporter) -> dict[Path, Record]:
+    """Return the records, by target, of jobs whose results are there, whole and by today's recipe; write nothing."""
+    ledgers = {folder: read_ledger(folder) for folder in {job.target.parent for job in jobs}}
+    records = {}
+    for job in jobs:
+        known = ledgers[job.target.parent].get(job.target.name)
+        if known and is_current(known, job):
+            records[job.target] = known
+            reporter.finished(job, known, made=False)
+    return records
+
+
+def make_missing(jobs: Sequence[Job], reporter: Reporter, processes: int = 1, scheduler: str | None = None) -> Made:
+    """Make all jobs, and record each as it is done.
+
+    Args:
+        jobs: their targets are in one folder, which is made if it is missing.
+        reporter: hears of progress.
+        processes: to use at once; one is this one.
+        scheduler: of a Dask cluster, to be used instead.
+
+    Raises:
+        EmovidError: if nothing can be recorded; why a single job failed is returned.
+    """
+    made = Made({}, {})
+    if not jobs:
+        return made
+    folder = jobs[0].target.parent
+    make_folder(folder)
+    clear_leftovers(folder)
+    with Ledger(folder) as ledger, workers(min(processes, len(jobs)), reporter.advanced, scheduler) as pool:
+        for job, outcome in run(make, jobs, pool, reporter.died):
+            if error := _error(job, outcome):
+                made.failures[job.target] = error
+                continue
+            ledger.add(job.target.name, outcome)
+            made.records[job.target] = outcome
+            reporter.finished(job, outcome, made=True)
+    clear_leftovers(folder)
+    return made
+
+
+@contextmanager
+def workers(processes: int, hear: Hear = lambda *_: None, scheduler: str | None = None) -> Iterator[Pool]:
+    """Give a pool: the Dask cluster of a scheduler, or so many processes, or this one if that is all.
+
+    Args:
+        processes: to use at once.
+        hear: is told how items go, where that can be known.
+        scheduler: its address.
+    """
+    if scheduler:
+        with connected(scheduler) as cluster:
+            yield cluster
+    elif processes > 1:
+        with closing(Processes(processes, hear)) as pool:
+            yield pool
+    else:
+        yield InProcess(hear)
+
+
+def _error(job: Job, outcome: Record | EmovidError) -> EmovidError | None:
+    """Return why a job failed, naming its target; None if it did not."""
+    if isinstance(outcome, EmovidError):
+        named = str(job.target) in str(outcome)
+        return outcome if named else EmovidError(f"{job.target}: {outcome}")
+    recipe = job.recipe
+    if other := [key for key, value in recipe.items() if outcome[key] != value]:
+        return EmovidError(f"{job.target}: its worker has other versions than this process: {other[0]}")
+    if job.only != "measure" and not job.target.exists():
+        return EmovidError(f"{job.target}: made, but not here: workers must share the output folder")
+    return None

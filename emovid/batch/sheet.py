@@ -1,0 +1,110 @@
+"""The contact sheet of a sweep: the last frame of each item, in the rows and columns of what the sweep varies."""
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from itertools import product
+from math import ceil, prod, sqrt
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from emovid.batch.job import Record, versions
+from emovid.batch.ledger import Ledger
+from emovid.batch.sweep import Item
+from emovid.figures.contact import contact_figure
+from emovid.figures.style import encoded
+from emovid.swarm.files import load_trajectory
+from emovid.video.draw import Painter
+from emovid.video.still import last_frame
+from emovid.whole_files import file_digest, writing
+
+NAME = "contact-sheet.png"
+MAX_ROWS, MAX_COLUMNS = 200, 200
+_WIDE, _NARROW, _PAGE = 480, 150, 2150  # pixels: of a picture at most and at least, and of all columns if they can be
+_ONE_ROW = 8  # pictures
+
+Axes = Sequence[tuple[str, Sequence[str]]]
+
+
+def write_sheet(folder: Path, items: Sequence[Item], axes: Axes, records: Mapping[str, Record], threads: int) -> bool:
+    """Write `contact-sheet.png`, unless it is there and shows what is in the folder; return whether it was written.
+
+    Nothing is written for more rows or columns than a picture can have.
+
+    Args:
+        folder: that holds the items' files.
+        items: of the sweep, all of them made.
+        axes: what varies, and its values, slowest first.
+        records: of the items, by name.
+        threads: to read videos with.
+    """
+    rows, columns = _arranged(axes)
+    high, wide = prod(len(values) for _, values in rows), prod(len(values) for _, values in columns)
+    wrapped = high == 1 and wide > _ONE_ROW
+    if wrapped:
+        wide = min(ceil(sqrt(wide)), MAX_COLUMNS)
+        high = ceil(len(items) / wide)
+    if high > MAX_ROWS or wide > MAX_COLUMNS:
+        return False
+    files = [(item.name, records[item.name]["sha256"]) for item in items]
+    recipe = {"shows": _digest([files, axes]), "versions": versions("sheet")}
+    target = folder / NAME
+    with Ledger(folder) as ledger:
+        known = ledger.records.get(NAME, {})
+        made_so = all(known.get(key) == value for key, value in recipe.items())
+        if made_so and target.is_file() and file_digest(target) == known["sha256"]:
+            return False
+        width = 2 * (int(np.clip(_PAGE / wide, _NARROW, _WIDE)) // 2)
+        video = items[0].scene.video
+        height = 2 * max(round(width * video.height / video.width / 2), 32)
+        with ThreadPoolExecutor(threads) as pool:
+            pictures = list(pool.map(partial(_picture, folder, records, width, height), items))
+        blank = [np.full_like(pictures[0], 255)] * (high * wide - len(items))
+        grid = np.stack(pictures + blank).reshape(high, wide, height, width, 3)
+        with writing(target) as file:
+            file.write(encoded(_figure(grid, rows, columns, wrapped=wrapped), "png"))
+        ledger.add(NAME, {"only": "sheet", "sha256": file_digest(target)} | recipe)
+    return True
+
+
+def _arranged(axes: Axes) -> tuple[Axes, Axes]:
+    """Return the axes that rows stand for and those that columns do, as near to a square as their order allows."""
+    varied = [axis for axis in axes if len(axis[1]) > 1]
+    count = prod(len(values) for _, values in varied)
+
+    def skew(rows: int) -> float:
+        return abs(prod(len(values) for _, values in varied[:rows]) - sqrt(count))
+
+    split = min(range(1, len(varied)), key=skew, default=0)
+    return varied[:split], varied[split:]
+
+
+def _figure(grid: NDArray[np.uint8], rows: Axes, columns: Axes, *, wrapped: bool) -> Figure:
+    (row_title, row_labels), (column_title, column_labels) = _labels(rows), _labels(columns)
+    if wrapped:
+        return contact_figure(grid, captions=[f"{column_title} {label}".strip() for label in column_labels])
+    return contact_figure(grid, row_labels, column_labels, row_title, column_title)
+
+
+def _labels(axes: Axes) -> tuple[str, list[str]]:
+    """Return what some axes together are called, and their crossed values."""
+    titles = [title for title, _ in axes if title]
+    return ", ".join(titles), [", ".join(values) for values in product(*(values for _, values in axes))]
+
+
+def _picture(folder: Path, records: Mapping[str, Record], width: int, height: int, item: Item) -> NDArray[np.uint8]:
+    """Return what an item shows at its end, (height, width, 3) RGB."""
+    if records[item.name]["only"] == "video":
+        return last_frame(folder / item.name, item.scene.frames, item.scene.video.fps, width, height)
+    run = load_trajectory(folder / item.name)
+    video = run.scene.video.model_copy(update={"size": f"{width}x{height}"})
+    return Painter(run, video).frame(run.t[-1])[..., :3].copy()
+
+
+def _digest(value: object) -> str:
+    return hashlib.sha256(json.dumps(value).encode()).hexdigest()

@@ -1,0 +1,115 @@
+"""The items of a sweep: every scene, with every entry of its list, at every point of its grid, from every seed."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+from math import prod
+from pathlib import Path
+from typing import Any
+
+from emovid.batch.job import Job, Kind
+from emovid.batch.sweep_file import SweepFile
+from emovid.errors import InputError, SceneError
+from emovid.scene.load import Setting, scene_digest, scene_of
+from emovid.scene.model import Scene
+from emovid.video.formats import FORMATS
+
+PLAN = "plan.json"
+MAX_ITEMS = 100_000
+
+
+@dataclass(frozen=True)
+class Item:
+    """One point of a sweep.
+
+    Attributes:
+        number: from 1, in the sweep's order.
+        name: of its result: the scene's, and twelve digits of its content, which stay when the sweep grows.
+        cells: the scene's name, and what was set, by key.
+        index: which of each axis, see `axes`.
+        scene: resolved.
+    """
+
+    number: int
+    name: str
+    cells: dict[str, Any]
+    index: tuple[int, ...]
+    scene: Scene
+
+    def job(self, folder: Path, only: Kind) -> Job:
+        """Return the work that it is."""
+        return Job(self.scene, folder / self.name, only=only)
+
+
+def items(sweep: SweepFile) -> list[Item]:
+    """Return the items of a sweep, each a valid scene and none twice.
+
+    Raises:
+        SceneError: for the first that is not, with the place of the key at fault.
+    """
+    count = prod(map(len, _levels(sweep)))
+    if count > MAX_ITEMS:
+        raise SceneError(sweep.where, "", f"{count} items: at most {MAX_ITEMS}")
+    found = list(_items(sweep))
+    numbers: dict[str, int] = {}
+    for item in found:
+        if (first := numbers.setdefault(item.name, item.number)) != item.number:
+            raise SceneError(sweep.where, "", f"items {first} and {item.number} are the same scene: {_shown(item)}")
+    return found
+
+
+def axes(sweep: SweepFile) -> list[tuple[str, list[str]]]:
+    """Return what a sweep varies, slowest first: the name of each axis, and its values as text."""
+    scenes, entries, *grid, seeds = _levels(sweep)
+    lists = [", ".join(f"{setting.key} {_text(setting.value)}" for setting in entry) for entry in entries]
+    return [
+        ("scene", list(scenes)),
+        ("", lists),
+        *((key, [_text(setting.value) for setting in level]) for key, level in zip(sweep.grid, grid, strict=True)),
+        ("seed", [str(seed.value) for seed in seeds if seed]),
+    ]
+
+
+def shard_of(given: str) -> tuple[int, int]:
+    """Return the number and the count of ``"3/40"``.
+
+    Raises:
+        InputError: if it is none.
+    """
+    number, _, count = given.partition("/")
+    if not (number.isdecimal() and count.isdecimal() and len(given) < 20 and 1 <= int(number) <= int(count)):
+        raise InputError(f"--shard {given}: expected a number and a count, from 1/40 to 40/40")
+    return int(number), int(count)
+
+
+def _levels(sweep: SweepFile) -> list[tuple[Any, ...]]:
+    """Return the axes: scenes, entries of the list, each key of the grid, seeds; what is not given has one level."""
+    return [tuple(sweep.scenes), sweep.list or ((),), *sweep.grid.values(), sweep.seeds or (None,)]
+
+
+def _items(sweep: SweepFile) -> Iterator[Item]:
+    levels = _levels(sweep)
+    columns = dict.fromkeys(
+        [
+            "scene",
+            *(setting.key for entry in sweep.list for setting in entry),
+            *sweep.grid,
+            *["seed"][: len(sweep.seeds)],
+        ]
+    )
+    for number, index in enumerate(product(*(range(len(level)) for level in levels)), start=1):
+        name, entry, *points = (level[i] for level, i in zip(levels, index, strict=True))
+        settings: list[Setting] = [*entry, *(setting for setting in points if setting)]
+        template = sweep.scenes[name]
+        scene = scene_of(template.keys, template.places, [*sweep.set, *settings], template.folder)
+        cells = columns | {"scene": name} | {setting.key: setting.value for setting in settings}
+        suffix = {"video": FORMATS[scene.video.format].suffix, "trajectory": ".npz", "measure": ""}[sweep.only]
+        yield Item(number, f"{name}-{scene_digest(scene)[:12]}{suffix}", cells, index, scene)
+
+
+def _text(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _shown(item: Item) -> str:
+    return ", ".join(f"{key} {_text(value)}" for key, value in item.cells.items() if value is not None)

@@ -1,0 +1,170 @@
+"""`emovid measure`: descriptors of motion, and the paper's claims held against them."""
+
+import csv
+import io
+import json
+from collections.abc import Callable, Mapping, Sequence
+from math import isfinite, isnan
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+
+import typer
+
+from emovid.cli.options import Json, Quiet, Seed, Set, settings
+from emovid.errors import InputError
+
+if TYPE_CHECKING:
+    from emovid.measure.claims import Verdict
+    from emovid.scene.load import Setting
+    from emovid.scene.model import Scene
+    from emovid.swarm.trajectory import Trajectory
+
+
+def measure(
+    sources: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[SCENE]...", help="Scenes (.yaml), finished runs (.npz), or emotions.", show_default=False
+        ),
+    ] = None,
+    every: Annotated[bool, typer.Option("--all", "-a", help="All six emotions.")] = False,
+    gate: Annotated[
+        bool, typer.Option("--gate", help="Hold the paper's claims against all six; exit with 1 where one fails.")
+    ] = False,
+    assignments: Set = None,
+    seed: Seed = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Also write the descriptors as CSV.", show_default=False)
+    ] = None,
+    quiet: Quiet = False,
+    as_json: Json = False,
+) -> None:
+    """Measure how scenes move: speed, angularity, size, crowding, and whether that is what the paper claims.
+
+    Examples: emovid measure --all --gate · emovid measure my.yaml fear -o measure.csv · emovid measure fear.npz --json
+    """
+    from emovid.cli.progress import listing
+    from emovid.measure.claims import judge
+    from emovid.measure.describe import DESCRIPTORS
+    from emovid.measure.evidence import evidence
+    from emovid.scene.emotions import EMOTIONS
+
+    if every == bool(sources):
+        raise InputError("expected scenes to measure, or --all")
+    if output and (output.suffix.lower() != ".csv" or output.is_dir()):
+        raise InputError(f"-o {output}: expected a file ending in .csv")
+    chosen = list(EMOTIONS) if every else list(dict.fromkeys(sources or []))
+    runs = [_run_of(source, settings(assignments, seed)) for source in chosen]
+    emotions = [run.scene.emotion for run in runs]
+    if gate and sorted(map(str, emotions)) != sorted(EMOTIONS):
+        raise InputError(f"--gate: expected one scene of each emotion; given {', '.join(map(str, emotions))}")
+    measured = {}
+    with listing(len(chosen), quiet=quiet or as_json) as done:
+        for source, run in zip(chosen, runs, strict=True):
+            measured[source] = evidence(run.trajectory())
+            done(source)
+    of_emotion = dict(zip(map(str, emotions), measured.values(), strict=True))
+    verdicts = judge({name: of_emotion[name] for name in EMOTIONS}) if gate else []
+    scenes = {source: {name: values[name] for name in DESCRIPTORS} for source, values in measured.items()}
+    if output:
+        _write_csv(scenes, output)
+    if as_json:
+        _print_json(scenes, verdicts)
+    elif not quiet:
+        _show(scenes)
+        _show_verdicts(verdicts)
+    if not all(verdict.holds for verdict in verdicts):
+        raise typer.Exit(1)
+
+
+class _Run(NamedTuple):
+    scene: "Scene"
+    trajectory: "Callable[[], Trajectory]"
+
+
+def _run_of(source: str, overrides: "Sequence[Setting]") -> _Run:
+    """Return a scene and its run, which is made when it is asked for; all that can be wrong with it is found here."""
+    from emovid.scene.load import load_scene
+    from emovid.swarm.files import load_trajectory
+    from emovid.swarm.simulate import check_start, simulate
+
+    if source.endswith(".npz"):
+        trajectory = load_trajectory(Path(source), overrides)
+        return _Run(trajectory.scene, lambda: trajectory)
+    scene = load_scene(source, overrides)
+    check_start(scene)
+    return _Run(scene, lambda: simulate(scene))
+
+
+def _write_csv(scenes: Mapping[str, Mapping[str, float]], target: Path) -> None:
+    """Write one row for each scene and descriptor; a value that does not exist is an empty cell."""
+    from emovid.measure.describe import DESCRIPTORS
+    from emovid.whole_files import make_folder, writing
+
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(("scene", "descriptor", "value", "unit"))
+    for scene, values in scenes.items():
+        for name, value in values.items():
+            rows.writerow((scene, name, "" if isnan(value) else value, DESCRIPTORS[name].unit))
+    make_folder(target.parent)
+    with writing(target) as file:
+        file.write(text.getvalue().encode())
+
+
+def _print_json(scenes: Mapping[str, Mapping[str, float]], verdicts: "Sequence[Verdict]") -> None:
+    from dataclasses import asdict
+
+    from emovid.measure.claims import NOT_APPLIED
+
+    found: dict[str, Any] = {"scenes": scenes, "claims": list(map(asdict, verdicts))}
+    if verdicts:
+        found["not_applied"] = [{"claim": claim, "source": source} for claim, source in NOT_APPLIED.items()]
+    typer.echo(json.dumps(_finite(found), indent=2, allow_nan=False))
+
+
+def _finite(value: Any) -> Any:
+    """Return the value with null for numbers that JSON does not have."""
+    if isinstance(value, Mapping):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_finite(item) for item in value]
+    return value if not isinstance(value, float) or isfinite(value) else None
+
+
+def _show(scenes: Mapping[str, Mapping[str, float]]) -> None:
+    from rich import box
+    from rich.console import Console
+    from rich.table import Column, Table
+
+    from emovid.measure.describe import FAMILIES
+
+    table = Table(
+        Column("descriptor", no_wrap=True), Column("unit", no_wrap=True), box=box.SIMPLE, padding=(0, 1, 0, 0)
+    )
+    for scene in scenes:
+        table.add_column(scene, justify="right", overflow="fold", min_width=9)
+    for family in FAMILIES.values():
+        for name, unit, *_ in family:
+            table.add_row(name, unit, *(_number(at[name]) for at in scenes.values()))
+        table.add_section()
+    console = Console(highlight=False, markup=False)
+    console.print(table, width=max(console.width, 45 + 10 * len(scenes)))  # a line that wraps can still be read
+
+
+def _number(value: float) -> str:
+    return "" if isnan(value) else "0" if abs(value) < 1e-12 else f"{value:.3g}"
+
+
+def _show_verdicts(verdicts: "Sequence[Verdict]") -> None:
+    """Print each claim with its source, the numbers that decide it and the verdict, and a line that sums up."""
+    from emovid.measure.claims import NOT_APPLIED
+
+    if not verdicts:
+        return
+    for verdict in verdicts:
+        typer.echo(f"{'holds' if verdict.holds else 'FAILS'}  {verdict.claim} ({verdict.source}): {verdict.relation}")
+    for claim, source in NOT_APPLIED.items():
+        typer.echo(f"not applied by the paper  {claim} ({source})")
+    failed = sum(not verdict.holds for verdict in verdicts)
+    typer.echo(f"{len(verdicts) - failed} of {len(verdicts)} claims hold")

@@ -1,0 +1,76 @@
+"""`emovid sweep`: many variants of scenes, as videos, trajectories or measurements."""
+
+import json
+import os
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from emovid.cli.options import Force, Json, Quiet
+from emovid.errors import EmovidError, InputError
+
+FOLDER = "sweeps"
+
+
+def sweep(
+    file: Annotated[Path, typer.Argument(metavar="SWEEP", help="A sweep.yaml, or the plan.json of another run.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="A folder, made if missing.", show_default=f"{FOLDER}/NAME"),
+    ] = None,
+    only: Annotated[
+        str | None,
+        typer.Option(help="video, trajectory or measure: what is made of each item.", show_default="as the sweep says"),
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option("--jobs", "-j", min=1, help="Items made at once.", show_default="one a core")
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Of a Dask cluster, as tcp://127.0.0.1:8786.", show_default=False),
+    ] = None,
+    shard: Annotated[
+        str | None, typer.Option(metavar="I/N", help="Only this part of the items, as 3/40.", show_default=False)
+    ] = None,
+    force: Force = False,
+    quiet: Quiet = False,
+    as_json: Json = False,
+) -> None:
+    """Make every item of a sweep that is missing or out of date, a table of the results, and a contact sheet.
+
+    Examples: emovid sweep sweep.yaml --jobs 2 · emovid sweep sweep.yaml --only measure --shard 3/40
+    """
+    from emovid.batch.make import done_before, make_missing
+    from emovid.batch.results import write_plan, write_summary
+    from emovid.batch.sweep import items, shard_of
+    from emovid.batch.sweep_file import read_sweep_file
+    from emovid.cli.progress import reporter
+    from emovid.swarm.simulate import check_start
+
+    plan = read_sweep_file(file, only)
+    every = items(plan)
+    number, count = shard_of(shard) if shard else (1, 1)
+    folder = output or Path(FOLDER) / file.stem
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"-o {folder}: is a file; expected a folder")
+    work = [item.job(folder, plan.only) for item in every[number - 1 :: count]]
+    processes = jobs or os.cpu_count() or 1
+    with reporter(len(work), quiet=quiet or as_json, each=False) as report:
+        known = {} if force else done_before(work, report)
+        missing = [job for job in work if job.target not in known]
+        for job in missing:
+            check_start(job.scene)
+        write_plan(folder, plan)
+        made = make_missing(missing, report, processes, scheduler)
+    done = write_summary(folder, plan, every, processes)
+    for failure in made.failures.values():
+        typer.echo(str(failure), err=True)
+    if as_json:
+        failed = {target.name: str(failure) for target, failure in made.failures.items()}
+        counts = {"items": len(every), "made": len(made.records), "up_to_date": len(known)}
+        typer.echo(json.dumps({"folder": str(folder)} | counts | {"failed": failed}, indent=2))
+    elif not quiet:
+        typer.echo(f"{folder / 'results.csv'}: {done} of {len(every)} items", err=True)
+    if made.failures:
+        raise EmovidError(f"{len(made.failures)} of {len(work)} items failed: run again to make what is missing")

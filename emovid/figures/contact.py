@@ -1,0 +1,80 @@
+"""A contact sheet: small pictures in rows and columns that say what is different."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from emovid.figures.style import POINTS, TEXT, in_style, text_width
+
+DPI = 300.0  # as figures are saved
+_GAP = 6  # pixels between pictures
+_MARGIN = 1.0  # between labels and edges [in units of the text's height]
+_LINE = 1.5 * TEXT / POINTS  # height of a line of text [in]
+
+
+@in_style()
+def contact_figure(
+    pictures: NDArray[np.uint8],
+    rows: Sequence[str] = (),
+    columns: Sequence[str] = (),
+    row_title: str = "",
+    column_title: str = "",
+    captions: Sequence[str] = (),
+) -> Figure:
+    """Draw pictures in rows and columns, a pixel of the file for each of theirs.
+
+    Args:
+        pictures: (R, C, height, width, 3), RGB; places without one are white.
+        rows: R labels.
+        columns: C labels.
+        row_title: what the rows' labels are values of.
+        column_title: likewise, of the columns.
+        captions: of the pictures, row by row, instead of labels.
+    """
+    high, wide = pictures.shape[:2]
+    if (len(rows), len(columns)) != (high, wide) and not captions:
+        raise ValueError(f"{high} x {wide} pictures, {len(rows)} x {len(columns)} labels")
+    height, width = pictures.shape[2:4]
+    below = round(_LINE * DPI) if captions else 0
+    image = _joined(pictures, below)
+    left = text_width(rows) / POINTS + (2.5 if row_title else 1.0) * _LINE
+    slanted = not captions and text_width(columns) > (width + _GAP) / DPI * POINTS - 4
+    top = (text_width(columns) / POINTS if slanted else _LINE) + (2.0 if column_title else 1.0) * _LINE
+    edge = _LINE / 2
+    if captions:
+        left = top = edge
+    size = np.array([image.shape[1] / DPI + left + edge, image.shape[0] / DPI + top + edge])
+    figure = Figure(figsize=(float(size[0]), float(size[1])))
+    bounds = (left / size[0], edge / size[1], image.shape[1] / DPI / size[0], image.shape[0] / DPI / size[1])
+    axes = figure.add_axes(bounds)
+    axes.imshow(image, interpolation="none", aspect="auto", extent=(0, image.shape[1], image.shape[0], 0))
+    axes.set_axis_off() if captions else axes.spines[:].set_visible(False)
+    x = np.arange(wide) * (width + _GAP) + width / 2
+    y = np.arange(high) * (height + below + _GAP) + height / 2
+    if captions:
+        _caption(axes, x, y + height / 2 + below / 2, captions)
+        return figure
+    axes.set_xticks(x, columns, rotation=90 if slanted else 0)
+    axes.set_yticks(y, rows)
+    axes.tick_params(length=0)
+    axes.xaxis.tick_top()
+    axes.xaxis.set_label_position("top")
+    axes.set_xlabel(column_title)
+    axes.set_ylabel(row_title)
+    return figure
+
+
+def _joined(pictures: NDArray[np.uint8], below: int) -> NDArray[np.uint8]:
+    """Return one picture of all, with gaps between them and `below` pixels for a caption under each."""
+    high, wide, height, width, _ = pictures.shape
+    cells = np.full((high, wide, height + below + _GAP, width + _GAP, 3), 255, np.uint8)
+    cells[:, :, :height, :width] = pictures
+    return cells.swapaxes(1, 2).reshape(high * (height + below + _GAP), wide * (width + _GAP), 3)[:-_GAP, :-_GAP]
+
+
+def _caption(axes: Axes, x: NDArray[np.float64], y: NDArray[np.float64], captions: Sequence[str]) -> None:
+    for i, caption in enumerate(captions):
+        axes.text(x[i % len(x)], y[i // len(x)], caption, ha="center", va="center")

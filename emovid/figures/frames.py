@@ -1,0 +1,62 @@
+"""What a swarm does, in still pictures: snapshots with trails (Figs. 3 to 8), and all that every robot has drawn."""
+
+from collections.abc import Mapping, Sequence
+
+from matplotlib.figure import Figure
+
+from emovid.figures.schematic import scale_of
+from emovid.figures.style import DOUBLE_COLUMN, heading, in_style
+from emovid.figures.top_view import (
+    LINE,
+    columns_of,
+    draw_lines,
+    draw_swarm,
+    draw_trails,
+    print_colours,
+    slices,
+    stage_panels,
+    write_above,
+    write_below,
+)
+from emovid.swarm.trajectory import Trajectory
+
+_THIN = 0.5  # width of a trace where all robots leave one [pt]
+_FINE = 0.03  # by which such a trace may stray from its arcs [pt]
+
+
+@in_style()
+def frames_figure(trajectory: Trajectory, times: Sequence[float], *, width: float = DOUBLE_COLUMN) -> Figure:
+    """Draw the swarm at some times, three in a row, with the trails up to each and the time under it.
+
+    Args:
+        trajectory: with the scene whose `video` says which robots leave trails, in which colours.
+        times: within the run [s].
+        width: of the figure [in].
+
+    Raises:
+        ValueError: for a time outside the run.
+    """
+    figure, panels = stage_panels(trajectory.scene.stage, len(times), columns_of(len(times), width), width, below=LINE)
+    for axes, t in zip(panels, times, strict=True):
+        draw_trails(axes, trajectory, t)
+        draw_swarm(axes, trajectory, t)
+        write_below(axes, f"t = {t:g} s")
+    return figure
+
+
+@in_style()
+def traces_figure(trajectories: Mapping[str, Trajectory], *, width: float = DOUBLE_COLUMN) -> Figure:
+    """Draw the whole traces of all robots, one panel for each run, its name over it: what their motion looks like.
+
+    Args:
+        trajectories: by name, on stages of one size; the names are those of emotions, say.
+        width: of the figure [in].
+    """
+    runs = list(trajectories.values())
+    figure, panels = stage_panels(runs[0].scene.stage, len(runs), columns_of(len(runs), width), width, above=LINE)
+    for axes, (name, run) in zip(panels, trajectories.items(), strict=True):
+        robots, colours = range(run.scene.robots), print_colours(run.scene).trails
+        lines = slices(run, robots, 0.0, float(run.t[-1]), _FINE / scale_of(axes))
+        draw_lines(axes, lines, [colours[i % len(robots) % len(colours)] for i in range(len(lines))], _THIN)
+        write_above(axes, heading(name))
+    return figure

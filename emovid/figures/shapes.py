@@ -1,0 +1,159 @@
+"""The contours of happiness, surprise and sadness with robots at work on them, as in Fig. 15 (Appendix A)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import EllipseCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import FancyArrowPatch, Rectangle
+
+from emovid.figures.schematic import THIN, draw_arrow, scale_of, write_math
+from emovid.figures.style import DOUBLE_COLUMN, FAINT, INK, QUIET, TEXT, heading, in_style
+from emovid.figures.top_view import LINE, columns_of, stage_panels, write_below
+from emovid.scene.behaviour import CircularSinusoid, Contour, Coverage, ExpandingCircle
+from emovid.scene.model import Scene
+from emovid.swarm.arrays import Array
+from emovid.swarm.contours import followed_points, radius, start_angles
+from emovid.swarm.trajectory import Trajectory
+
+AGENT, TARGET, ARROW = "#c0281f", INK, "#1f6fb4"
+_AGENT_SIZE, _TARGET_SIZE = 3.6, 2.2  # diameters [pt]
+_ARROWS = 3
+_SHORT = 5.0  # arrows shorter than this are shown enlarged too [pt]
+_LARGER = 5.0  # times
+_INSET = 0.3  # side of the enlarged part by the panel's width
+_BRACKET = "|-|,widthA=0.3,widthB=0.3"
+_TURN = np.linspace(0, 2 * np.pi, 721)
+_ENDS = np.array([-1, 1])
+
+
+@in_style()
+def shapes_figure(runs: Sequence[Trajectory], times: Sequence[float], *, width: float = DOUBLE_COLUMN) -> Figure:
+    """Draw the contour of each run, its robots, the points they follow, and arrows from three robots to theirs.
+
+    An expanding circle is drawn twice: at t = 0, where R(t) is R_min, and just before it starts again, near R_max.
+    Where the arrows are too short to be seen, a part of the panel is shown enlarged.
+
+    Args:
+        runs: of contour laws, on stages of one size.
+        times: at which each is drawn [s]; not used for an expanding circle.
+        width: of the figure [in].
+    """
+    figure, panels = stage_panels(runs[0].scene.stage, len(runs), columns_of(len(runs), width), width, below=LINE)
+    for axes, run, t in zip(panels, runs, times, strict=True):
+        contour = contour_of(run.scene)
+        moments = [0.0, expanded(contour, run)] if isinstance(contour, ExpandingCircle) else [t]
+        ends = np.concatenate([arrows_of(run, moment) for moment in moments])
+        dots = np.concatenate([*ends.swapaxes(0, 1), ends.mean(axis=1)])
+        _draw_radii(axes, contour, moments, dots)
+        for moment in moments:
+            _draw_moment(axes, contour, arrows_of(run, moment), moment)
+        lengths = np.hypot(*np.diff(arrows_of(run, moments[0]), axis=1)[:, 0].T)
+        if lengths.mean() * scale_of(axes) < _SHORT:
+            _draw_enlarged(axes, contour, arrows_of(run, moments[0]), moments[0])
+        write_below(axes, heading(run.scene.emotion or ""))
+    return figure
+
+
+def contour_of(scene: Scene) -> Contour:
+    """Return the contour of a scene that has one.
+
+    Raises:
+        ValueError: for a scene that has none.
+    """
+    if isinstance(scene.behaviour, Coverage):
+        raise ValueError("a coverage behaviour has no contour")
+    return scene.behaviour
+
+
+def expanded(contour: ExpandingCircle, run: Trajectory) -> float:
+    """Return the last sample time [s] before the circle starts again at R_min, or the end of a run without that."""
+    fold = (contour.R_max - contour.R_min) / contour.expansion_rate
+    return float(run.t[np.searchsorted(run.t, fold * (1 - 1e-9)) - 1])
+
+
+def arrows_of(run: Trajectory, t: float) -> Array:
+    """Return where each robot is and the point it follows, (N, 2, 2) [m], at the time `t` [s]."""
+    agents = run.at(np.array([t]))[0, :, :2]
+    targets = followed_points(contour_of(run.scene), start_angles(run.scene.robots), t)
+    return np.stack([agents, targets], axis=1)
+
+
+def draw_contour(axes: Axes, contour: Contour, t: float) -> None:
+    """Draw a contour as it is at the time `t` [s]."""
+    _draw_curve(axes, contour, radius(contour, _TURN, t), QUIET, "contour")
+
+
+def _draw_moment(axes: Axes, contour: Contour, arrows: Array, t: float) -> None:
+    """Draw the contour, the agents, their targets, and some of the arrows between."""
+    draw_contour(axes, contour, t)
+    for agent, target in arrows[np.arange(_ARROWS) * len(arrows) // _ARROWS]:
+        arrow = FancyArrowPatch(
+            tuple(agent), tuple(target), arrowstyle="-|>", mutation_scale=5, shrinkA=0, shrinkB=_TARGET_SIZE / 2
+        )
+        arrow.set(color=ARROW, linewidth=0.9, zorder=3.5, joinstyle="miter", capstyle="butt")
+        axes.add_patch(arrow)
+    draw_discs(axes, arrows[:, 0], _AGENT_SIZE, AGENT, "agents")
+    draw_discs(axes, arrows[:, 1], _TARGET_SIZE, TARGET, "targets")
+
+
+def _draw_curve(axes: Axes, contour: Contour, r: Array, colour: str, label: str) -> None:
+    x, y = contour.centre.x + r * np.cos(_TURN), contour.centre.y + r * np.sin(_TURN)
+    axes.plot(x, y, color=colour, linewidth=0.7, linestyle=(0, (3, 2)), zorder=2, label=label)
+
+
+def draw_discs(axes: Axes, centres: Array, diameter: float, colour: str, label: str) -> None:
+    """Draw discs of a size [pt] about points (N, 2) [m]."""
+    sizes = np.full(len(centres), diameter)
+    discs = EllipseCollection(
+        sizes, sizes, np.zeros(len(centres)), units="points", offsets=centres, offset_transform=axes.transData
+    )
+    discs.set(facecolor=colour, edgecolor="white", linewidth=0.4, zorder=4, label=label, snap=False)
+    axes.add_collection(discs, autolim=False)
+
+
+def _draw_enlarged(axes: Axes, contour: Contour, arrows: Array, t: float) -> None:
+    """Draw what is around the first arrow again, larger, in the panel's lower right corner."""
+    left, right = axes.get_xlim()
+    bottom, _ = axes.get_ylim()
+    side = _INSET * (right - left)
+    away = 0.03 * (right - left)
+    corner = np.array([right - away - side, bottom + away])
+    middle, half = arrows[0].mean(axis=0), side / _LARGER / 2
+    inset = axes.inset_axes((*corner, side, side), transform=axes.transData)
+    inset.set(xlim=middle[0] + half * _ENDS, ylim=middle[1] + half * _ENDS, xticks=[], yticks=[], aspect="equal")
+    inset.spines[:].set(color=FAINT, linewidth=0.6)
+    _draw_moment(inset, contour, arrows, t)
+    axes.add_patch(
+        Rectangle(tuple(middle - half), 2 * half, 2 * half, fill=False, edgecolor=FAINT, linewidth=0.6, zorder=5)
+    )
+    for x, y in ((-1, -1), (1, 1)):
+        ends = np.array([middle + half * np.array([x, y]), corner + side / 2 * (1 + np.array([x, y]))])
+        axes.plot(*ends.T, color=FAINT, linewidth=0.6, zorder=1.5)
+
+
+def _draw_radii(axes: Axes, contour: Contour, moments: Sequence[float], dots: Array) -> None:
+    """Draw the radii as arrows from the centre, named, and the amplitude of a sinusoid: where no `dots` (D, 2) are."""
+    centre, room = np.array([contour.centre.x, contour.centre.y]), 1.1 * TEXT / scale_of(axes)
+    if isinstance(contour, CircularSinusoid):
+        _draw_curve(axes, contour, np.full_like(_TURN, contour.R), FAINT, "circle")
+        crests = 2 * np.pi / contour.f * (0.25 + np.arange(contour.f, dtype=float))
+        crest = _clearest(centre, contour.R + contour.A / 2, crests, dots)
+        draw_arrow(axes, centre + contour.R * crest, centre + (contour.R + contour.A) * crest, QUIET, THIN, _BRACKET)
+        write_math(axes, centre + (contour.R + contour.A + 0.8 * room) * crest, "$A$", QUIET)
+    names = [r"$R_{\min}$", r"$R_{\max}$"] if isinstance(contour, ExpandingCircle) else ["$R$"]
+    for name, t, middle in zip(names, moments, (255, 35), strict=False):
+        r = contour.R if isinstance(contour, CircularSinusoid) else float(radius(contour, np.zeros(1), t)[0])
+        along = _clearest(centre, r, np.radians(middle + np.arange(-18.0, 19.0, 3.0)), dots)
+        draw_arrow(axes, centre, centre + r * along, QUIET, THIN)
+        beside = 0.62 * r * along + room * np.array([-along[1], along[0]])
+        beyond = (r + room) * along
+        write_math(axes, centre + (beside if r > 3 * room else beyond), name, QUIET)
+
+
+def _clearest(centre: Array, r: float, angles: Array, dots: Array) -> Array:
+    """Return the direction (2,), of those at some angles [rad], in which the point at `r` [m] is farthest from dots."""
+    directions = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    away = np.linalg.norm(centre + r * directions[:, None] - dots, axis=-1).min(axis=1)
+    return directions[np.argmax(away)]

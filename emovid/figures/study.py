@@ -1,0 +1,71 @@
+"""The figures of a study, from its results: the mapping that `results.json` holds."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from emovid.errors import InputError
+from emovid.figures.accuracy import Rates, accuracy_figure
+from emovid.figures.circumplex import POSITIONS, circumplex_figure
+from emovid.figures.confusion import confusion_figure
+
+Results = Mapping[str, Any]
+Answers = tuple[NDArray[np.int64], Sequence[str], Sequence[str]]
+
+
+def study_figures(results: Results) -> dict[str, tuple[str, Figure]]:
+    """Return all figures that the results allow, by file name, each with its caption."""
+    answers = answers_of(results)
+    made = {"confusion-matrix": ("Answers to each video: percent, and counts", confusion_figure(*answers))}
+    if set(results["emotions"]) <= set(POSITIONS):
+        caption = "Answers on the valence-arousal plane; a bubble's diameter is proportional to the answers"
+        made["circumplex"] = (caption, circumplex_figure(*answers))
+    for column, levels in results["groups"].items():
+        if levels:
+            figure = accuracy_figure(*recognition_of(results, column))
+            made[f"accuracy-{column.replace('_', '-')}"] = (f"Recognition by {column.replace('_', ' ')}", figure)
+    return made
+
+
+def answers_of(results: Results) -> Answers:
+    """Return what `confusion_figure` takes: counts (perceived, signalled), signalled and perceived labels."""
+    return np.array(results["counts"]), results["emotions"], results["labels"]
+
+
+def placed_answers_of(results: Results) -> Answers:
+    """Return what `circumplex_figure` takes.
+
+    Raises:
+        InputError: if an emotion has no place in the plane.
+    """
+    if unplaced := [emotion for emotion in results["emotions"] if emotion not in POSITIONS]:
+        raise InputError(f"the study has no place on the circumplex for {', '.join(unplaced)}")
+    return answers_of(results)
+
+
+def recognition_of(results: Results, column: str) -> tuple[Rates, Rates, Rates, Sequence[str], Sequence[str], float]:
+    """Return what `accuracy_figure` takes: how many of each level of a group recognised each emotion.
+
+    Raises:
+        InputError: if the study has no such group.
+    """
+    levels = results["groups"].get(column)
+    if not levels:
+        known = ", ".join(results["groups"]) or "none"
+        raise InputError(f"the study has no group {column}; its groups: {known}")
+    found = [[block["recognition"][name] for name in results["emotions"]] for block in levels.values()]
+    rates, low, high = (
+        np.array([[np.nan if video[key] is None else video[key] for video in row] for row in found], dtype=float)
+        for key in ("rate", "ci_low", "ci_high")
+    )
+    names = [f"{_level_name(column, level)} (n = {block['n_participants']})" for level, block in levels.items()]
+    return rates, low, high, results["emotions"], names, 1 / len(results["labels"])
+
+
+def _level_name(column: str, level: str) -> str:
+    """Return what a legend calls a level: "no robotics background" where the level itself is only "no"."""
+    name = column.replace("_", " ")
+    return {"yes": name, "no": f"no {name}"}.get(level.lower(), level)

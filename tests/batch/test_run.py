@@ -1,0 +1,147 @@
+"""The one loop over pools: what is under way is bounded, so are attempts, and a death ends one item."""
+
+import os
+import signal
+import time
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from emovid.batch.local import InProcess, Processes
+from emovid.batch.run import run
+from emovid.errors import EmovidError, SceneError
+
+
+class DeathError(Exception):
+    pass
+
+
+class Threads:
+    """A pool that counts what is under way, and whose workers die as told."""
+
+    attempts, deaths = 3, (DeathError,)
+
+    def __init__(self, slots: int, dies: dict[int, int]) -> None:
+        self.slots, self.dies = slots, dict(dies)
+        self.under_way = self.most = 0
+        self.threads = ThreadPoolExecutor(slots)
+
+    def submit(self, work, item) -> Future:
+        self.under_way += 1
+        self.most = max(self.most, self.under_way)
+        future = self.threads.submit(self._do, work, item)
+        future.add_done_callback(self._end)
+        return future
+
+    def _do(self, work, item):
+        if self.dies.get(item, 0) > 0:
+            self.dies[item] -= 1
+            raise DeathError
+        return work(item, None)
+
+    def _end(self, _: Future) -> None:
+        self.under_way -= 1
+
+
+@given(st.integers(1, 3), st.integers(0, 12), st.dictionaries(st.integers(0, 11), st.integers(0, 5)))
+@settings(max_examples=50)
+def test_every_item_ends_once_whatever_dies(slots, count, dies) -> None:
+    told: list[tuple[int, int]] = []
+    pool = Threads(slots, dies)
+    with pool.threads:
+        ended = list(run(_double, range(count), pool, lambda item, attempt: told.append((item, attempt))))
+    assert sorted(item for item, _ in ended) == list(range(count))
+    assert pool.most <= slots
+    for item, outcome in ended:
+        deaths = dies.get(item, 0)
+        assert sorted(attempt for other, attempt in told if other == item) == list(range(1, min(deaths, 2) + 1))
+        if deaths < 3:
+            assert outcome == item * 2
+        else:
+            assert str(outcome) == "its worker died each time: killed, or out of memory"
+
+
+def _double(item, on_step):
+    return item * 2
+
+
+def _fail(item, on_step):
+    raise item
+
+
+@pytest.mark.parametrize(
+    ("error", "message"),
+    [
+        (SceneError("x.yaml:3", "robots", "too many"), "x.yaml:3: robots: too many"),
+        (OSError(28, "No space left on device"), "no space left on device"),
+        (MemoryError(), "not enough memory: fewer robots, a longer control_period or a shorter duration need less"),
+    ],
+)
+def test_what_goes_wrong_is_one_line(error, message) -> None:
+    ((_, outcome),) = run(_fail, [error], InProcess(lambda *_: None))
+    assert isinstance(outcome, EmovidError)
+    assert str(outcome) == message
+
+
+def test_what_should_not_happen_says_where(tmp_path) -> None:
+    ((_, outcome),) = run(_fail, [ZeroDivisionError("division by zero")], InProcess(lambda *_: None))
+    assert str(outcome).startswith("unexpected ZeroDivisionError: division by zero, at test_run.py:")
+
+
+def test_a_ctrl_c_is_nobody_s_failure() -> None:
+    with pytest.raises(KeyboardInterrupt):
+        list(run(_fail, [KeyboardInterrupt()], InProcess(lambda *_: None)))
+
+
+# --- real processes ----------------------------------------------------------------------------------------------------
+
+
+def _work(item, on_step):
+    """Do as an item says: (name, file that counts attempts, how many of them end in this signal)."""
+    name, file, deaths, number = item
+    with file.open("a") as tries:
+        tries.write(f"{os.getpid()}\n")
+    if len(file.read_text().splitlines()) <= deaths:
+        os.kill(os.getpid(), number)
+        time.sleep(60)
+    on_step(1, 2)
+    time.sleep(0.2)
+    return name
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+def test_a_dead_worker_loses_its_item_and_no_other(tmp_path, number) -> None:
+    deaths = {"a": 0, "b": 2, "c": 0, "d": 9, "e": 0}
+    work = [(name, tmp_path / name, count, number) for name, count in deaths.items()]
+    heard, died = [], []
+    with closing(Processes(2, lambda item, done, total: heard.append((item[0], done, total)))) as pool:
+        ended = dict(run(_work, work, pool, lambda item, attempt: died.append((item[0], attempt))))
+    assert {item[0] for item, outcome in ended.items() if isinstance(outcome, EmovidError)} == {"d"}
+    assert sorted(died) == [("b", 1), ("b", 2), ("d", 1), ("d", 2)]
+    tries = {name: len((tmp_path / name).read_text().splitlines()) for name in deaths}
+    assert tries == {"a": 1, "b": 3, "c": 1, "d": 3, "e": 1}
+    assert sorted(heard) == [(name, 1, 2) for name in "abce"]
+
+
+def _sleep(item: Path, on_step) -> None:
+    item.touch()
+    try:
+        time.sleep(60)
+    finally:
+        item.unlink()
+
+
+def test_a_pool_that_is_closed_undoes_what_is_under_way(tmp_path) -> None:
+    marks = [tmp_path / name for name in "ab"]
+    with closing(Processes(2, lambda *_: None)) as pool:
+        for mark in marks:
+            pool.submit(_sleep, mark)
+        deadline = time.monotonic() + 60
+        while not all(mark.exists() for mark in marks):
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+    assert list(tmp_path.iterdir()) == []

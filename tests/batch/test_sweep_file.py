@@ -1,0 +1,180 @@
+"""sweep.yaml: what is read, what becomes of it, and the one line for what cannot be meant."""
+
+from pathlib import Path
+
+import pytest
+
+from emovid.batch import sweep as sweep_module
+from emovid.batch.sweep import axes, items, shard_of
+from emovid.batch.sweep_file import SweepFile, read_sweep_file
+from emovid.errors import InputError, SceneError
+from emovid.scene.load import find_scene
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def read(tmp_path):
+    def read_text(text: str, name: str = "sweep.yaml") -> SweepFile:
+        (tmp_path / name).write_text(text)
+        return read_sweep_file(tmp_path / name)
+
+    return read_text
+
+
+def cells(sweep: SweepFile) -> list[tuple]:
+    return [tuple(item.cells.values()) for item in items(sweep)]
+
+
+def test_every_scene_meets_every_entry_every_point_and_every_seed(read) -> None:
+    found = items(
+        read(
+            "scenes: [anger, fear]\nseeds: [3, 5]\ngrid: {robot.K: [2, 4], robot.l: [0.01]}\n"
+            "list:\n  - {duration: 2}\n  - {duration: 3, robots: 4}\n"
+        )
+    )
+    assert len(found) == 2 * 2 * 2 * 1 * 2
+    assert list(found[0].cells) == ["scene", "duration", "robots", "robot.K", "robot.l", "seed"]
+    assert list(found[0].cells.values()) == ["anger", 2, None, 2, 0.01, 3]
+    assert list(found[-1].cells.values()) == ["fear", 3, 4, 4, 0.01, 5]
+    assert [item.number for item in found] == list(range(1, 17))
+    for item in found:
+        scene, cell = item.scene, item.cells
+        assert (scene.emotion, scene.duration, scene.seed) == (cell["scene"], cell["duration"], cell["seed"])
+        assert (scene.robot.K, scene.robot.l, scene.robots) == (cell["robot.K"], 0.01, cell["robots"] or 15)
+
+
+def test_what_is_set_is_no_column(read) -> None:
+    sweep = read("scenes: [anger]\nset: {duration: 2}\n")
+    (item,) = items(sweep)
+    assert item.cells == {"scene": "anger"}
+    assert item.scene.duration == 2
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("{from: 1, to: 3, count: 5}", [1.0, 1.5, 2.0, 2.5, 3.0]),
+        ("{from: 3, to: 1, count: 2}", [3.0, 1.0]),
+        ("{from: 1, to: 100, count: 3, log: true}", [1.0, 10.0, 100.0]),
+        ("{from: 0.1, to: 0.7, count: 7}", [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]),
+    ],
+)
+def test_a_range_is_evenly_spaced(read, text, expected) -> None:
+    assert [cell[1] for cell in cells(read(f"scenes: [anger]\ngrid: {{robot.K: {text}}}\n"))] == expected
+
+
+def test_a_number_of_seeds_is_the_first_so_many(read) -> None:
+    assert cells(read("scenes: [fear]\nseeds: 3\n")) == [("fear", 1), ("fear", 2), ("fear", 3)]
+
+
+def test_files_are_found_from_the_sweep_s_folder(read, tmp_path, monkeypatch) -> None:
+    (tmp_path / "mine.yaml").write_bytes(find_scene("sadness").read_bytes())
+    monkeypatch.chdir("/")
+    assert cells(read("scenes: [mine.yaml, anger]\n")) == [("mine",), ("anger",)]
+
+
+def test_a_name_is_of_content_and_stays_when_the_sweep_grows(read) -> None:
+    few = items(read("scenes: [anger]\ngrid: {robot.K: [2, 4]}\n"))
+    more = items(read("scenes: [fear, anger]\ngrid: {robot.K: [1, 2, 3, 4]}\n"))
+    assert {item.name for item in few} < {item.name for item in more}
+    assert all(len(item.name.removesuffix(".mp4").split("-")[1]) == 12 for item in more)
+
+
+@pytest.mark.parametrize(("only", "suffix"), [("video", ".mp4"), ("trajectory", ".npz"), ("measure", "")])
+def test_what_is_made_shows_in_the_name(read, only, suffix) -> None:
+    (item,) = items(read(f"only: {only}\nscenes: [anger]\n"))
+    assert item.name.removeprefix("anger-")[12:] == suffix
+
+
+def test_the_format_shows_in_the_name(read) -> None:
+    sweep = read("scenes: [anger]\ngrid: {video.format: [webm, gif, png-sequence]}\n")
+    assert [item.name[18:] for item in items(sweep)] == [".webm", ".gif", ""]
+
+
+def test_the_plan_is_the_same_sweep_without_other_files(read, tmp_path) -> None:
+    (tmp_path / "mine.yaml").write_bytes(find_scene("sadness").read_bytes())
+    first = read(
+        "only: measure\nscenes: [mine.yaml, anger]\nseeds: 2\nset: {duration: 3}\n"
+        "grid: {robot.K: {from: 1, to: 2, count: 3}}\nlist: [{robot.l: 0.01}, {robots: 3}]\n"
+    )
+    (tmp_path / "mine.yaml").unlink()
+    again = read(first.plan(), "plan.json")
+    assert [(a.name, a.cells) for a in items(again)] == [(b.name, b.cells) for b in items(first)]
+    assert axes(again) == axes(first)
+    assert again.plan() == first.plan()
+
+
+def test_axes_are_named_in_the_order_of_items(read) -> None:
+    sweep = read("scenes: [anger]\nseeds: [4]\nlist: [{robots: 3, robot.l: 0.01}]\ngrid: {robot.K: [1.0, 2]}\n")
+    assert axes(sweep) == [
+        ("scene", ["anger"]),
+        ("", ["robots 3, robot.l 0.01"]),
+        ("robot.K", ["1", "2"]),
+        ("seed", ["4"]),
+    ]
+
+
+WRONG = {
+    "": "sweep.yaml: empty: expected a sweep",
+    "[1]": "sweep.yaml: not a sweep: expected some of only, scenes, set, list, grid, seeds",
+    "scenes: [anger]\nsedes: 3": "sweep.yaml:2: sedes: unknown key (did you mean seeds?)",
+    "seeds: 3": "sweep.yaml:1: scenes: expected a list of emotions and scene files",
+    "scenes: []": "sweep.yaml:1: scenes: expected a list of emotions and scene files",
+    "scenes:\n  - angr": "sweep.yaml:2: scenes.0: angr: no such file or emotion (did you mean anger?)",
+    "scenes: [3]": "sweep.yaml:1: scenes.0: 3: expected an emotion or a scene file",
+    "scenes: [anger, anger]": "sweep.yaml:1: scenes.1: anger: there is another scene called anger",
+    "scenes: [anger]\nonly: vidoe": "sweep.yaml:2: only: 'vidoe': expected one of video, trajectory, measure",
+    "scenes: [anger]\nonly: [video]": "sweep.yaml:2: only: ['video']: expected one of video, trajectory, measure",
+    "scenes: [anger]\nseeds: 0": "sweep.yaml:2: seeds: expected a list of seeds, or how many, from 1 on",
+    "scenes: [anger]\nseeds: [1, -1]": "sweep.yaml:2: seed: -1: expected at least 0",
+    "scenes: [anger]\ngrid: [1]": "sweep.yaml:2: grid: expected keys of a scene, each with a list of values, as in "
+    "robot.l: [0.002, 0.004]",
+    "scenes: [anger]\ngrid:\n  robot.l: 0.1": "sweep.yaml:3: grid.robot.l: expected a list of values, or {from: 0.001, "
+    "to: 0.01, count: 10}",
+    "scenes: [anger]\ngrid:\n  robot.l:\n    - 0.01\n    - -1": "sweep.yaml:5: robot.l: -1: expected more than 0",
+    "scenes: [anger]\ngrid:\n  robot.k: [1]": "sweep.yaml:3: robot.k: unknown key (did you mean robot.K?)",
+    "scenes: [anger]\ngrid:\n  robot.l: {form: 1}": "sweep.yaml:3: grid.robot.l.form: unknown key (did you mean from?)",
+    "scenes: [anger]\ngrid:\n  robot.l: {from: 1, to: a, count: 2}": "sweep.yaml:3: grid.robot.l: expected numbers from "
+    "and to, and a count of at least 1",
+    "scenes: [anger]\ngrid:\n  robot.l: {from: 0, to: 1, count: 2, log: true}": "sweep.yaml:3: grid.robot.l: log: "
+    "expected true, with from and to above 0",
+    "scenes: [anger]\nlist: 3": "sweep.yaml:2: list: expected a list of groups of keys, as in - {robot.l: 0.002, "
+    "robot.K: 6}",
+    "scenes: [anger]\nlist: [3]": "sweep.yaml:2: list.0: expected keys of a scene and their values, as in robot.l: "
+    "0.002",
+    "scenes: [anger]\nset: {robot.K: 1}\ngrid: {robot.K: [1, 2]}": "sweep.yaml:3: grid.robot.K: given in set too",
+    "scenes: [anger]\nseeds: [1]\nlist: [{seed: 1}]": "sweep.yaml:3: list.seed: given in seeds too",
+    "scenes: [anger]\nseeds: [1, 1]": "sweep.yaml: items 1 and 2 are the same scene: scene anger, seed 1",
+    "scenes: [anger]\nseeds: 1000\ngrid: {robot.K: {from: 1, to: 2, count: 1000}}": "sweep.yaml: 1000000 items: at most "
+    "100000",
+    "scenes: [anger]\n  - x": "sweep.yaml:2: not YAML: expected <block end>, but found '<block sequence start>'",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "message"), WRONG.items())
+def test_a_mistake_names_file_line_and_key(read, tmp_path, text, message) -> None:
+    with pytest.raises(SceneError) as error:
+        items(read(text))
+    assert str(error.value).replace(f"{tmp_path}/", "") == message
+
+
+def test_a_mistake_in_a_scene_names_the_scene(read, tmp_path) -> None:
+    (tmp_path / "mine.yaml").write_text(find_scene("sadness").read_text().replace("robots: 15", "robots: many"))
+    with pytest.raises(SceneError, match=r"mine\.yaml:[0-9]+: robots: 'many': expected a whole number"):
+        items(read("scenes: [mine.yaml]\n"))
+
+
+@pytest.mark.parametrize("given", ["0/4", "5/4", "a/4", "4", "1/", "-1/4", "1/2/3"])
+def test_a_shard_is_a_number_and_a_count(given) -> None:
+    with pytest.raises(InputError, match="expected a number and a count, from 1/40 to 40/40"):
+        shard_of(given)
+    assert shard_of("40/40") == (40, 40)
+
+
+def test_the_shipped_sweep_is_valid_and_explains_every_key() -> None:
+    (path,) = (ROOT / "configs" / "sweeps").glob("*.yaml")
+    sweep = read_sweep_file(path)
+    assert 1 < len(items(sweep)) <= sweep_module.MAX_ITEMS
+    text = path.read_text()
+    assert all(f"{key}:" in text for key in ("only", "scenes", "set", "list", "grid", "seeds"))

@@ -1,0 +1,212 @@
+import json
+import os
+import pty
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from emovid.cli.main import main
+from emovid.figures.catalogue import CATALOGUE
+
+ROOT = Path(__file__).parents[2]
+EMOVID = [sys.executable, "-m", "emovid"]
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path, monkeypatch) -> Path:
+    """Work in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def files(folder: Path = Path()) -> set[str]:
+    return {str(path) for path in folder.rglob("*") if path.is_file()}
+
+
+def width_of(png: str) -> float:
+    """Return the width [in] of a picture of 300 dots per inch."""
+    return int.from_bytes(Path(png).read_bytes()[16:20], "big") / 300
+
+
+def test_the_list_has_a_line_for_each_figure(capsys) -> None:
+    assert main(["figures", "--list"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == [*CATALOGUE, "frames"]
+    for line, entry in zip(lines, CATALOGUE.values(), strict=False):
+        assert entry.paper in line
+        assert line.endswith(entry.caption)
+    assert main(["figures", "--list", "--json"]) == 0
+    rows = {row["name"]: row for row in json.loads(capsys.readouterr().out)}
+    assert rows["anger-frames"]["paper"] == "Fig. 8"
+    assert rows["trace-sheet"]["paper"] is None
+    assert rows["attributes"]["formats"] == ["pdf", "png", "svg", "tex", "md"]
+    assert rows["circumplex"]["tables"] == ["study"]
+    assert files() == set()
+
+
+def test_figures_are_made_by_name_in_the_formats_and_the_width_asked_for(capsys) -> None:
+    arguments = ["gritsbot", "behaviours", "gritsbot", "-o", "out/here", "--format", "png", "--format", "md"]
+    assert main(["figures", *arguments, "--style", "two-column"]) == 0
+    assert files() == {"out/here/gritsbot.png", "out/here/behaviours.png", "out/here/behaviours.md"}
+    assert {width_of(name) for name in files() if name.endswith("png")} == {7.16}
+    said = capsys.readouterr()
+    assert said.err == "[1/2] out/here/gritsbot: png\n[2/2] out/here/behaviours: png, md\n"
+    assert said.out == ""
+
+
+def test_without_options_figures_are_pdf_and_png_of_their_own_width_and_tables_text_too() -> None:
+    assert main(["figures", "gritsbot", "attributes", "--quiet"]) == 0
+    assert files() == {
+        *("figures/gritsbot.pdf", "figures/gritsbot.png"),
+        *(f"figures/attributes.{suffix}" for suffix in ("pdf", "png", "tex", "md")),
+    }
+    assert [width_of(f"figures/{name}.png") for name in ("gritsbot", "attributes")] == [3.5, 7.16]
+
+
+def test_quiet_says_nothing_and_json_says_what_was_made(capsys) -> None:
+    assert main(["figures", "gritsbot", "--format", "svg", "--quiet"]) == 0
+    assert capsys.readouterr() == ("", "")
+    assert main(["figures", "gritsbot", "--format", "svg", "--json"]) == 0
+    said = capsys.readouterr()
+    assert json.loads(said.out) == {"figures": {"gritsbot": ["figures/gritsbot.svg"]}, "left_out": {}}
+    assert said.err == ""
+
+
+def test_frames_of_any_scene_at_any_times(capsys) -> None:
+    main(["scene", "new", "mine.yaml", "--from", "sadness"])
+    assert main(["figures", "frames", "mine.yaml", "--times", "0,2.5,8,15", "--format", "svg"]) == 0
+    assert files() == {"mine.yaml", "figures/mine-frames.svg"}
+    assert main(["figures", "frames", "sadness", "--format", "svg", "-o", "other"]) == 0
+    assert main(["figures", "sadness-frames", "--format", "svg"]) == 0
+    assert Path("other/sadness-frames.svg").read_bytes() == Path("figures/sadness-frames.svg").read_bytes()
+
+
+def test_frames_of_a_finished_run_are_those_of_its_scene() -> None:
+    main(["simulate", "fear", "--quiet", "--set", "duration=2", "-o", "run.npz"])
+    assert main(["figures", "frames", "run.npz", "--format", "svg", "--quiet"]) == 0  # the paper's 15 s are beyond it
+    main(["figures", "frames", "run.npz", "--format", "svg", "--quiet", "-o", "same", "--times", "0,1,2"])
+    assert Path("figures/run-frames.svg").read_bytes() == Path("same/run-frames.svg").read_bytes()
+
+
+def test_a_seed_gives_other_robots() -> None:
+    for seed in ("1", "2"):
+        main(["figures", "anger-frames", "--format", "svg", "--quiet", "--seed", seed, "-o", seed])
+    assert Path("1/anger-frames.svg").read_bytes() != Path("2/anger-frames.svg").read_bytes()
+
+
+def test_another_study_gives_its_figures_and_what_it_lacks_is_left_out_of_all(capsys) -> None:
+    main(["study", "simulate", "-o", "m.csv", "--participants", "12"])
+    main(["study", "analyze", "m.csv", "-o", "results", "--quiet"])
+    capsys.readouterr()
+    for source in ("results", "results/results.json", "results/confusion_matrix.csv"):
+        arguments = ["confusion-matrix", "--study", source, "--format", "svg", "--quiet"]
+        assert main(["figures", *arguments, "-o", source.replace("/", "-")]) == 0
+    (made,) = {
+        (Path(folder) / "confusion-matrix.svg").read_bytes()
+        for folder in ("results", "results-results.json", "results-confusion_matrix.csv")
+    }
+    assert main(["figures", "confusion-matrix", "--format", "svg", "--quiet"]) == 0
+    assert Path("figures/confusion-matrix.svg").read_bytes() != made
+    assert main(["figures", "accuracy-gender", "--study", "results", "-o", "none"]) == 2
+    why = "the study has no group gender; its groups: none"
+    assert capsys.readouterr().err == f"accuracy-gender: {why}\n"
+    assert not Path("none").exists()
+    assert main(["figures", "all", "--study", "results", "--format", "md", "--json"]) == 0
+    assert list(json.loads(capsys.readouterr().out)["figures"]) == ["attributes", "behaviours"]
+
+
+def test_what_a_study_lacks_is_left_out_of_all(capsys, monkeypatch) -> None:
+    few = {name: CATALOGUE[name] for name in ("gritsbot", "accuracy-gender", "confusion-matrix")}
+    monkeypatch.setattr("emovid.figures.catalogue.CATALOGUE", few)
+    main(["study", "analyze", "--counts", str(ROOT / "studies/santos-egerstedt/counts.csv"), "-o", "r", "--quiet"])
+    assert main(["figures", "all", "--study", "r", "--format", "svg"]) == 0
+    assert {path.name for path in Path("figures").iterdir()} == {"gritsbot.svg", "confusion-matrix.svg"}
+    assert capsys.readouterr().err.splitlines() == [
+        "[1/2] figures/gritsbot: svg",
+        "[2/2] figures/confusion-matrix: svg",
+        "accuracy-gender: left out: the study has no group gender; its groups: none",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "expected names of figures, all, or --list to see them"),
+        (["anger-frame"], "anger-frame: no such figure (did you mean anger-frames?); --list shows them"),
+        (["gritsbot", "zzz"], "zzz: no such figure; --list shows them"),
+        (["gritsbot", "--format", "pfd"], "--format pfd: expected one of pdf, png, svg, tex, md (did you mean pdf?)"),
+        (["gritsbot", "--format", "tex"], "gritsbot: cannot be written as tex; expected one of pdf, png, svg"),
+        (
+            ["gritsbot", "--style", "two-colum"],
+            "--style two-colum: expected one-column or two-column (did you mean two-column?)",
+        ),
+        (["gritsbot", "--times", "0"], "--times goes with frames and a scene"),
+        (["frames"], "frames: expected one scene: a file (.yaml), a finished run (.npz), or an emotion"),
+        (
+            ["frames", "fear", "anger"],
+            "frames: expected one scene: a file (.yaml), a finished run (.npz), or an emotion",
+        ),
+        (["frames", "feer"], "feer: no such file or emotion (did you mean fear?)"),
+        (["frames", "fear", "--times", "0,16"], "--times 0,16: 16 s is outside the run of 0 to 15 s"),
+        (["frames", "fear", "--times", "-1"], "--times -1: -1 s is outside the run of 0 to 15 s"),
+        (["frames", "fear", "--times", "0,nan"], "--times 0,nan: nan s is outside the run of 0 to 15 s"),
+        (["frames", "fear", "--times", "0;2"], "--times 0;2: expected seconds with commas between, as in 0,2,8"),
+        (["frames", "fear", "--times", ",".join(25 * "1")], "--times: 25 times; expected at most 24"),
+        (["frames", "none.npz"], "none.npz: cannot be read: no such file or directory"),
+        (["circumplex", "--study", "none.json"], "none.json: cannot be read: no such file or directory"),
+        (["gritsbot", "-o", "file"], "-o file: is a file; expected a folder"),
+        (["gritsbot", "-o", "file/in"], "-o file/in: cannot be made: not a directory"),
+        (["gritsbot", "-o", "full"], "full/gritsbot.png: is a folder; expected a file that can be replaced"),
+    ],
+)
+def test_a_mistake_is_one_line_and_leaves_nothing(capsys, arguments, message) -> None:
+    Path("file").write_text("as it was")
+    Path("full/gritsbot.png").mkdir(parents=True)
+    assert main(["figures", *arguments]) == 2
+    said = capsys.readouterr()
+    assert (said.err, said.out) == (message + "\n", "")
+    assert files() == {"file"}
+
+
+@pytest.mark.parametrize("text", ["{}", "[]", '{"counts": [[1]], "labels": ["a"], "emotions": ["a"], "groups": [1]}'])
+def test_a_file_without_results_is_told_apart(capsys, text) -> None:
+    Path("x.json").write_text(text)
+    assert main(["figures", "confusion-matrix", "--study", "x.json"]) == 2
+    expected = "x.json: no results; expected the results.json of emovid study analyze\n"
+    assert capsys.readouterr().err == expected
+
+
+def test_seeds_with_which_robots_do_not_fit_leave_nothing(capsys, monkeypatch) -> None:
+    main(["scene", "new", "mine.yaml", "--from", "fear"])
+    Path("mine.yaml").write_text(Path("mine.yaml").read_text().replace("robots: 15", "robots: 900"))
+    assert main(["figures", "frames", "mine.yaml"]) == 2
+    assert "robots do not fit" in capsys.readouterr().err
+    assert files() == {"mine.yaml"}
+
+
+def test_a_terminal_sees_a_bar_that_names_figures() -> None:
+    ours, theirs = pty.openpty()
+    environment = {key: value for key, value in os.environ.items() if key != "CI"} | {"TERM": "xterm"}
+    command = [*EMOVID, "figures", "gritsbot", "behaviours", "--format", "svg"]
+    done = subprocess.Popen(command, stderr=theirs, stdout=subprocess.DEVNULL, env=environment)
+    os.close(theirs)
+    said = b""
+    while True:
+        try:
+            part = os.read(ours, 4096)
+        except OSError:  # how Linux says that the other end is closed
+            break
+        if not part:
+            break
+        said += part
+    assert done.wait() == 0
+    assert b"2/2" in said
+    assert b"figures/behaviours" in said
+    os.close(ours)
+
+
+def test_matplotlib_is_imported_by_the_command_alone() -> None:
+    script = "import sys, emovid.cli.main; assert not {'matplotlib', 'numpy', 'pandas'} & set(sys.modules)"
+    subprocess.run([sys.executable, "-c", script], check=True)

@@ -1,0 +1,93 @@
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+from emovid.cli.main import main
+from emovid.measure.describe import DESCRIPTORS
+from emovid.scene.emotions import EMOTIONS
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def test_the_gate_prints_each_claim_and_its_verdict(capsys) -> None:
+    assert main(["measure", "--all", "--gate"]) == 0
+    said = capsys.readouterr()
+    lines = [line for line in said.out.splitlines() if line.startswith("holds")]
+    assert any("anger has the highest peak speed (Sec. III" in line and ">= 1.5 times" in line for line in lines)
+    assert said.out.splitlines()[-1] == f"{len(lines)} of {len(lines)} claims hold"
+    assert "not applied by the paper  fear has the shape of downward pointing triangles" in said.out
+    assert said.err.splitlines()[0] == "[1/6] happiness"
+
+
+def test_a_claim_that_fails_is_an_exit_code_of_1(capsys) -> None:
+    scenes = [name for name in EMOTIONS if name != "anger"]
+    assert main(["scene", "new", "calm.yaml", "--from", "anger"]) == 0
+    text = Path("calm.yaml").read_text().replace("u_max: 0.11", "u_max: 0.01")
+    Path("calm.yaml").write_text(text)
+    assert main(["measure", *scenes, "calm.yaml", "--gate", "--quiet"]) == 1
+    assert main(["measure", *scenes, "calm.yaml", "--gate", "--json"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    failed = [claim for claim in found["claims"] if not claim["holds"]]
+    assert any(claim["claim"] == "anger has the highest peak speed" for claim in failed)
+    assert set(failed[0]) >= {"claim", "source", "values", "holds"}
+
+
+def test_descriptors_as_json_and_csv(capsys) -> None:
+    assert main(["measure", "fear", "happiness", "--json", "-o", "out/measure.csv"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert list(found["scenes"]) == ["fear", "happiness"]
+    assert list(found["scenes"]["fear"]) == list(DESCRIPTORS)
+    assert found["scenes"]["happiness"]["cost_end"] is None
+    assert found["claims"] == []
+    rows = list(csv.DictReader(Path("out/measure.csv").read_text().splitlines()))
+    assert len(rows) == 2 * len(DESCRIPTORS)
+    by_name = {row["descriptor"]: row for row in rows if row["scene"] == "fear"}
+    assert float(by_name["speed_mean"]["value"]) == found["scenes"]["fear"]["speed_mean"]
+    assert by_name["speed_mean"]["unit"] == "m/s"
+
+
+def test_a_finished_run_measures_like_its_scene(capsys) -> None:
+    assert main(["simulate", "--emotion", "disgust", "--seed", "5", "-o", "disgust.npz", "--quiet"]) == 0
+    assert main(["measure", "disgust.npz", "--json"]) == 0
+    run = json.loads(capsys.readouterr().out)["scenes"]["disgust.npz"]
+    assert main(["measure", "disgust", "--seed", "5", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["scenes"]["disgust"] == run
+
+
+def test_the_seed_is_replaced_in_every_scene(capsys) -> None:
+    assert main(["measure", "fear", "--json"]) == 0
+    first = json.loads(capsys.readouterr().out)["scenes"]["fear"]
+    assert main(["measure", "fear", "--seed", "2", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["scenes"]["fear"]["speed_mean"] != first["speed_mean"]
+
+
+def test_the_table_names_each_descriptor_in_full(capsys) -> None:
+    assert main(["measure", "sadness"]) == 0
+    said = capsys.readouterr().out
+    assert all(name in said for name in DESCRIPTORS)
+    assert "0.0908" in said  # metres in 8 s
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["measure"], "expected scenes to measure, or --all"),
+        (["measure", "fear", "--all"], "expected scenes to measure, or --all"),
+        (["measure", "fear", "--gate"], "--gate: expected one scene of each emotion; given fear"),
+        (["measure", "feer"], "fear"),
+        (["measure", "fear", "-o", "measure.txt"], "expected a file ending in .csv"),
+        (["measure", "fear", "--set", "robots=0"], "robots"),
+        (["measure", "no.npz"], "cannot be read"),
+    ],
+)
+def test_what_is_wrong_is_one_line(arguments: list[str], words: str, capsys) -> None:
+    assert main(arguments) == 2
+    said = capsys.readouterr()
+    assert words in said.err
+    assert len(said.err.splitlines()) == 1
+    assert said.out == ""

@@ -1,0 +1,135 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from emovid.errors import SceneError
+from emovid.scene.emotions import EMOTIONS
+from emovid.scene.load import load_scene, parse_scene, scene_digest, scene_text, shipped_scene
+from emovid.scene.picture import MAX_SIDE, picture_of
+from emovid.swarm.files import load_trajectory, save_trajectory
+from emovid.swarm.simulate import simulate
+
+FEAR = shipped_scene("fear").read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def scene_file(tmp_path) -> Path:
+    """Write a scene whose density is a picture beside it, and that picture."""
+    keys = "    kind: image\n    file: maps/map.png\n    smoothing: 0.05"
+    lines = ["    kind: image" if line.startswith("    kind: uniform") else line for line in FEAR.splitlines()]
+    text = "\n".join(lines).replace("    kind: image", keys)
+    (tmp_path / "maps").mkdir()
+    (tmp_path / "scene.yaml").write_text(text)
+    save(tmp_path, np.arange(0, 240, 2).reshape(10, 12))
+    return tmp_path / "scene.yaml"
+
+
+def save(folder: Path, values: np.ndarray, mode: str | None = None) -> None:
+    picture = Image.fromarray(values.astype(np.uint16 if mode == "I;16" else np.uint8))
+    picture.save(folder / "maps" / "map.png")
+
+
+def test_a_picture_is_found_from_the_scene_s_folder_and_kept_with_the_scene(scene_file, monkeypatch) -> None:
+    monkeypatch.chdir("/")
+    density = load_scene(scene_file).behaviour.density
+    picture = picture_of(density.pixels)
+    assert (picture.width, picture.height) == (12, 10)
+    assert list(picture.values) == list(range(0, 240, 2))
+
+
+def test_a_scene_with_its_picture_needs_no_file(scene_file, tmp_path) -> None:
+    scene = load_scene(scene_file)
+    run = simulate(scene.model_copy(update={"duration": 1.0}))
+    save_trajectory(run, tmp_path / "run.npz")
+    (tmp_path / "maps" / "map.png").unlink()
+    assert parse_scene(scene_text(scene), "text").resolved() == scene.resolved()
+    again = load_trajectory(tmp_path / "run.npz").scene
+    assert simulate(again).digest() == run.digest()
+
+
+def test_the_digest_is_of_what_the_picture_shows(scene_file, tmp_path) -> None:
+    before = scene_digest(load_scene(scene_file))
+    Image.open(tmp_path / "maps" / "map.png").convert("RGBA").save(tmp_path / "maps" / "map.png", compress_level=0)
+    assert scene_digest(load_scene(scene_file)) == before
+    save(tmp_path, np.arange(1, 241, 2).reshape(10, 12))
+    assert scene_digest(load_scene(scene_file)) != before
+
+
+def test_a_large_picture_is_kept_small(scene_file, tmp_path) -> None:
+    save(tmp_path, np.kron(np.arange(0, 240, 2).reshape(10, 12), np.ones((64, 64))))
+    picture = picture_of(load_scene(scene_file).behaviour.density.pixels)
+    assert (picture.width, picture.height) == (MAX_SIDE, 107)
+    assert picture.values[0] == 0
+    assert picture.values[-1] == 238
+
+
+def test_what_is_transparent_is_white(scene_file, tmp_path) -> None:
+    values = np.zeros((4, 4, 4), np.uint8)
+    values[1, 2, 3] = 255
+    save(tmp_path, values)
+    picture = picture_of(load_scene(scene_file).behaviour.density.pixels)
+    assert list(picture.values) == [255] * 6 + [0] + [255] * 9
+
+
+def cut_off(path: Path) -> None:
+    save(path.parents[1], np.random.default_rng(0).integers(0, 255, (64, 64)))
+    path.write_bytes(path.read_bytes()[:2000])
+
+
+SPOILT = {
+    "cannot be read: no such file or directory": Path.unlink,
+    "no PNG: expected a grey-scale picture": lambda path: path.write_bytes(b"GIF89a"),
+    "cannot be read: image file is truncated": cut_off,
+    "white all over; expected something darker": lambda path: save(path.parents[1], np.full((9, 9), 255)),
+    "expected a PNG of 8 bits a channel": lambda path: save(path.parents[1], np.full((9, 9), 700), "I;16"),
+}
+
+
+@pytest.mark.parametrize("message", SPOILT)
+def test_a_picture_that_cannot_be_meant_is_one_line(scene_file, tmp_path, message) -> None:
+    SPOILT[message](tmp_path / "maps" / "map.png")
+    with pytest.raises(SceneError) as caught:
+        load_scene(scene_file)
+    line = 1 + scene_file.read_text().splitlines().index("    file: maps/map.png")
+    assert str(caught.value) == f"{scene_file}:{line}: behaviour.density.file: maps/map.png: {message}"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("smoothing: 0.05", "smoothing: 0.01", "smoothing: 0.01: expected at least 0.02, a twentieth of the radius of"),
+        ("    file: maps/map.png\n", "", "file: missing (the picture, a PNG"),
+        ("smoothing: 0.05", "smoothing: 0.05\n    pixels: 2x2 AAAA", "pixels: not what was read from a picture"),
+        ("smoothing: 0.05", "smoothing: 0.05\n    pixels: 2x2 A", "pixels: not what was read from a picture"),
+        ("smoothing: 0.05", "smoothing: 0.05\n    pixels: abc", "pixels: not what was read from a picture"),
+    ],
+)
+def test_keys_that_cannot_be_meant_are_one_line(scene_file, old, new, message) -> None:
+    scene_file.write_text(scene_file.read_text().replace(old, new))
+    with pytest.raises(SceneError) as caught:
+        load_scene(scene_file)
+    assert f"behaviour.density.{message}" in str(caught.value)
+
+
+def test_a_part_of_a_sum_is_named_in_full() -> None:
+    parts = "    kind: sum\n    parts:\n      - density:\n          kind: uniform\n      - weight: 2\n"
+    parts += "        density:\n          kind: gaussian\n          sigma: {sigma}\n"
+    before, _, after = FEAR.partition("    kind: uniform")
+    text = before + parts + after.partition("\n")[2]
+    where = f"f.yaml:{1 + text.splitlines().index('          sigma: {sigma}')}: behaviour.density.parts.1.density"
+    assert len(parse_scene(text.format(sigma=0.1), "f.yaml").behaviour.density.parts) == 2
+    for sigma, message in ((0.001, "sigma: 0.001: expected at least 0.008"), ("a", "sigma: 'a': expected a number")):
+        with pytest.raises(SceneError) as caught:
+            parse_scene(text.format(sigma=sigma), "f.yaml")
+        assert str(caught.value).startswith(f"{where}.{message}")
+    with pytest.raises(SceneError) as caught:
+        parse_scene(text.format(sigma=0.1).replace("sigma", "sigmo"), "f.yaml")
+    assert str(caught.value).startswith(
+        f"{where}.sigmo: unknown key (did you mean behaviour.density.parts.1.density.sig"
+    )
+
+
+def test_no_shipped_scene_needs_another_file() -> None:
+    assert not [emotion for emotion in EMOTIONS if "file:" in shipped_scene(emotion).read_text(encoding="utf-8")]

@@ -1,0 +1,52 @@
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+
+from emovid.video.indexed import COLOURS, Indexed, frequent_colours
+
+PICTURES = arrays.arrays(np.uint8, (5, 4, 4), elements=st.sampled_from([0, 3, 77, 200, 255]))
+
+
+def shown(data: np.ndarray, height: int, width: int) -> np.ndarray:
+    """Return the colours (height, width, 3) that the data of a picture stand for."""
+    index, table = np.split(data, [height * width])
+    return table.reshape(256, 4)[index.reshape(height, width)][..., 2::-1]
+
+
+def convert(picture: np.ndarray, colours: np.ndarray) -> np.ndarray:
+    height, width = picture.shape[:2]
+    return Indexed(width, height, colours).convert(picture, [(0, height, 0, width)])
+
+
+@given(PICTURES)
+def test_a_picture_of_few_colours_is_exact(picture) -> None:
+    assert np.array_equal(shown(convert(picture, frequent_colours([picture])), 5, 4), picture[..., :3])
+
+
+@given(arrays.arrays(np.uint8, (5, 4, 4)), st.lists(st.integers(0, 2**24 - 1), min_size=1, max_size=9, unique=True))
+def test_every_pixel_has_the_nearest_colour(picture, colours) -> None:
+    table = np.array([[c & 255, c >> 8 & 255, c >> 16] for c in colours])
+    found = shown(convert(picture, np.array(colours, np.uint32)), 5, 4).astype(int)
+    wanted = picture[..., :3].astype(int)
+    least = ((wanted[..., None, :] - table) ** 2).sum(axis=-1).min(axis=-1)
+    assert np.array_equal(((wanted - found) ** 2).sum(axis=-1), least)
+
+
+@given(PICTURES, PICTURES)
+def test_converting_what_changed_gives_what_converting_all_does(first, second) -> None:
+    colours = frequent_colours([first, second])
+    follower = Indexed(4, 5, colours)
+    follower.convert(first, [(0, 5, 0, 4)])
+    both = first.copy()
+    both[1:3, 2:] = second[1:3, 2:]
+    assert np.array_equal(follower.convert(both, [(1, 3, 2, 4)]), convert(both, colours))
+
+
+def test_the_colours_kept_are_those_of_most_pixels() -> None:
+    picture = np.zeros((32, 32, 4), np.uint8)
+    picture.view(np.uint32)[..., 0] = np.arange(1024).reshape(32, 32)
+    picture[:16] = 9
+    kept = frequent_colours([picture, picture])
+    assert kept[0] == 0x090909
+    assert len(kept) == COLOURS == 255  # one entry is left for pixels that stay as they are
