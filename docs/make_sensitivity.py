@@ -37,9 +37,8 @@ def sensitivity_figure(values: dict[tuple[str, str], np.ndarray]) -> Figure:
     axes = figure.subplots(len(SHOWN), len(KEYS), sharex="col", sharey="row")
     for (emotion, key), found in values.items():
         for row, ax in enumerate(axes[:, KEYS.index(key)]):
-            ax.plot(
-                FACTORS, found[:, row], color=EMOTION_COLOURS[emotion], marker=MARKERS[emotion], ms=3, lw=1, label=emotion
-            )
+            colour, marker = EMOTION_COLOURS[emotion], MARKERS[emotion]
+            ax.plot(FACTORS, found[:, row], color=colour, marker=marker, ms=3, lw=1, label=emotion)
     for row, name in enumerate(SHOWN):
         unit = DESCRIPTORS[name].unit
         axes[row, 0].set_ylabel(name.replace("_", " ") + (f"\n[{unit}]" if unit != "1" else ""))

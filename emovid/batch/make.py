@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import NamedTuple, Protocol
 
 from emovid.batch.cluster import connected
-from emovid.batch.job import Job, Record, is_current, make
+from emovid.batch.job import Job, Record, is_by_recipe, is_current, make
 from emovid.batch.ledger import Ledger, read_ledger
 from emovid.batch.local import InProcess, Processes
 from emovid.batch.pool import Hear, Pool
@@ -47,14 +47,13 @@ def done_before(jobs: Sequence[Job], reporter: Reporter) -> dict[Path, Record]:
     return records
 
 
-def make_missing(jobs: Sequence[Job], reporter: Reporter, processes: int = 1, scheduler: str | None = None) -> Made:
+def make_missing(jobs: Sequence[Job], reporter: Reporter, pool: Pool) -> Made:
     """Make all jobs, and record each as it is done.
 
     Args:
         jobs: their targets are in one folder, which is made if it is missing.
         reporter: hears of progress.
-        processes: to use at once; one is this one.
-        scheduler: of a Dask cluster, to be used instead.
+        pool: does the work, see `workers`.
 
     Raises:
         EmovidError: if nothing can be recorded; why a single job failed is returned.
@@ -65,7 +64,7 @@ def make_missing(jobs: Sequence[Job], reporter: Reporter, processes: int = 1, sc
     folder = jobs[0].target.parent
     make_folder(folder)
     clear_leftovers(folder)
-    with Ledger(folder) as ledger, workers(min(processes, len(jobs)), reporter.advanced, scheduler) as pool:
+    with Ledger(folder) as ledger:
         for job, outcome in run(make, jobs, pool, reporter.died):
             if error := _error(job, outcome):
                 made.failures[job.target] = error
@@ -101,9 +100,10 @@ def _error(job: Job, outcome: Record | EmovidError) -> EmovidError | None:
     if isinstance(outcome, EmovidError):
         named = str(job.target) in str(outcome)
         return outcome if named else EmovidError(f"{job.target}: {outcome}")
-    recipe = job.recipe
-    if other := [key for key, value in recipe.items() if outcome[key] != value]:
-        return EmovidError(f"{job.target}: its worker has other versions than this process: {other[0]}")
+    if not is_by_recipe(outcome, job):
+        there, here = outcome["versions"], job.recipe["versions"]
+        other = "; ".join(f"{name} {there[name]}, here {here[name]}" for name in here if there[name] != here[name])
+        return EmovidError(f"{job.target}: its worker has other versions: {other}")
     if job.only != "measure" and not job.target.exists():
         return EmovidError(f"{job.target}: made, but not here: workers must share the output folder")
     return None

@@ -38,8 +38,9 @@ def _row(item: Item, record: Record) -> dict[str, Any]:
 def _csv(rows: list[dict[str, Any]]) -> bytes:
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
-    table.writerow(_columns(rows))
-    table.writerows([_cell(row.get(column)) for column in _columns(rows)] for row in rows)
+    columns = _columns(rows)
+    table.writerow(columns)
+    table.writerows([_cell(row.get(column)) for column in columns] for row in rows)
     return text.getvalue().encode()
 
 

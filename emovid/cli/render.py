@@ -65,7 +65,7 @@ def render(
 
     Examples: emovid render --emotion anger · emovid render --all --jobs 2 · emovid render my.yaml --set robot.l=0.002
     """
-    from emovid.batch.make import done_before, make_missing
+    from emovid.batch.make import done_before, make_missing, workers
     from emovid.batch.order import write_presentation_order
     from emovid.cli.progress import reporter
     from emovid.scene.emotions import EMOTIONS
@@ -87,7 +87,8 @@ def render(
     with reporter(len(work), quiet=quiet or as_json) as report:
         known = {} if force else done_before(work, report)
         missing = [job for job in work if job.target not in known]
-        made = make_missing(missing, report, jobs or os.cpu_count() or 1)
+        with workers(min(jobs or os.cpu_count() or 1, len(missing)), report.advanced) as pool:
+            made = make_missing(missing, report, pool)
         if failures := list(made.failures.values()):
             raise failures[0] if len(failures) == 1 else EmovidError("; ".join(map(str, failures)))
     if every:

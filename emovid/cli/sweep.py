@@ -41,7 +41,7 @@ def sweep(
 
     Examples: emovid sweep sweep.yaml --jobs 2 · emovid sweep sweep.yaml --only measure --shard 3/40
     """
-    from emovid.batch.make import done_before, make_missing
+    from emovid.batch.make import done_before, make_missing, workers
     from emovid.batch.results import write_plan, write_summary
     from emovid.batch.sweep import items, shard_of
     from emovid.batch.sweep_file import read_sweep_file
@@ -61,8 +61,9 @@ def sweep(
         missing = [job for job in work if job.target not in known]
         for job in missing:
             check_start(job.scene)
-        write_plan(folder, plan)
-        made = make_missing(missing, report, processes, scheduler)
+        with workers(min(processes, len(missing)), report.advanced, scheduler if missing else None) as pool:
+            write_plan(folder, plan)
+            made = make_missing(missing, report, pool)
     done = write_summary(folder, plan, every, processes)
     for failure in made.failures.values():
         typer.echo(str(failure), err=True)

@@ -42,7 +42,8 @@ def descriptors_figure(values: Mapping[str, Mapping[str, float]], width: float =
     for axes, shown in zip(figure.subplots(len(rows), squeeze=False)[:, 0], rows, strict=True):
         _draw(axes, shown, in_row, values)
     handles, labels = figure.axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=len(values) if len(rows) == 1 else len(values) // 2)
+    in_line = len(values) if len(rows) == 1 else len(values) // 2
+    figure.legend(handles, labels, loc="outside upper center", ncols=in_line)
     return settle(figure)
 
 

@@ -1,8 +1,8 @@
 """What the paper says of its behaviours, as inequalities between measured numbers: the manipulation check.
 
 Every cell of Table I that the paper applies, every cell of Table II and what the captions of Figs. 3 to 8 say is here.
-A claim compares numbers from 0 to each emotion's last snapshot time, unless they are of any second of the whole run. The
-factors and bounds are ours; the shipped scenes pass with a margin on each of 50 seeds (`make bench`).
+A claim compares numbers from 0 to each emotion's last snapshot time, unless they are of any second of the whole run.
+The factors and bounds are ours; the shipped scenes pass with a margin on each of 50 seeds (`make bench`).
 """
 
 from collections.abc import Mapping

@@ -1,9 +1,9 @@
 """Integrals of a density over Voronoi cells, given as fans of triangles about their robots.
 
-Each triangle has a Gauss rule, of an order that follows from how much the density changes over it: the range of
-log phi at its corners, plus half the square of its longest edge over the density's scale. Where that is too much for the
-highest order, triangles are split. Weights and densities are positive, so a cell far out in a Gaussian's tail has as
-exact a centroid as one at its peak: to a millionth of the density's scale, and to rounding for a constant density.
+Each triangle has a Gauss rule, of an order that follows from how much the density changes over it: the range of log phi
+at its corners, plus half the square of its longest edge over the density's scale. Where that is too much for the highest
+order, triangles are split. Weights and densities are positive, so a cell far out in a Gaussian's tail has as exact a
+centroid as one at its peak: to a millionth of the density's scale, and to rounding for a constant density.
 """
 
 from functools import cache
@@ -12,19 +12,20 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import roots_jacobi
 
-from emovid.swarm.arrays import Array, Complex, Indices
+from emovid.swarm.arrays import Array, Complex, Indices, Mask
 from emovid.swarm.densities import Density
 from emovid.swarm.voronoi import Fans
 
-# Nodes per direction, and the largest change of a density for which they give a triangle's centroid to 1e-6 of the
-# scale: found by trials on random triangles under peaks, ridges and sums of ridges, up to 35 standard deviations out.
+# Nodes per direction, and the largest change of a density over which they give a triangle's centroid to a millionth of
+# the scale: the worst of 75 000 random triangles under peaks, ridges and sums of ridges, up to 35 standard deviations
+# out. In the valley of such a sum its terms change more than it does, which costs a peak alone an order or two.
 _NODES, _CHANGE = (2, 3, 5, 8, 12, 16, 20), np.array([0.04, 0.1, 0.9, 3.4, 10.0, 40.0, 75.0])
-_LEAST = float(np.finfo(float).tiny)
-_BLOCK = 1 << 16  # nodes at a time: what fits into a cache
+_LEAST = np.finfo(float).tiny  # densities below have lost digits
+_BLOCK = 1 << 16  # nodes at a time, to bound what a swarm of any size takes
 
 
 class _Triangles(NamedTuple):
-    """Triangles (corner, corner + a, corner + b), each array (K,), in the cells named; the corner is seen from the robot."""
+    """Triangles (corner, corner + a, corner + b), all (K,) [m], in the cells named; corners are seen from the robot."""
 
     cell: Indices
     corner: Complex
@@ -33,9 +34,8 @@ class _Triangles(NamedTuple):
 
 
 def mass_and_moment(fans: Fans, density: Density) -> tuple[Array, Complex]:
-    """Return each cell's mass (cells,) and its first moment about its robot (cells,) [m]."""
-    triangles, (mass, u, v) = _sums(fans, density, degree=1)
-    cell, corner, a, b = triangles
+    """Return the mass of each cell (cells,) and its first moment about the robot (cells,)."""
+    (cell, corner, a, b), (mass, u, v) = _integrals(fans, density, degree=1)
     moment = mass * corner + u * a + v * b
     cells = len(fans.robot)
     along_x, along_y = np.bincount(cell, moment.real, cells), np.bincount(cell, moment.imag, cells)
@@ -43,68 +43,73 @@ def mass_and_moment(fans: Fans, density: Density) -> tuple[Array, Complex]:
 
 
 def polar_moment(fans: Fans, density: Density) -> float:
-    """Return the integral of phi times the squared distance from the cell's robot, over all cells [m^2]."""
-    triangles, (mass, u, v, uu, uv, vv) = _sums(fans, density, degree=2)
-    _, corner, a, b = triangles
-    linear = corner.conj() * (mass * corner + 2 * (u * a + v * b))
-    return float(np.sum(linear.real + uu * np.abs(a) ** 2 + 2 * uv * (a.conj() * b).real + vv * np.abs(b) ** 2))
+    """Return the integral over the stage of phi times the squared distance from the cell's robot."""
+    (_, corner, a, b), (mass, u, v, uu, uv, vv) = _integrals(fans, density, degree=2)
+    # |corner + u a + v b|^2, term by term
+    about_corner = uu * np.abs(a) ** 2 + 2 * uv * (a.conj() * b).real + vv * np.abs(b) ** 2
+    return float(np.sum(about_corner + (corner.conj() * (mass * corner + 2 * (u * a + v * b))).real))
 
 
-def _sums(fans: Fans, density: Density, degree: int) -> tuple[_Triangles, Array]:
-    """Return the triangles, split where need be, and the integrals over them of phi times 1, u, v (, u^2, u v, v^2).
+def _integrals(fans: Fans, density: Density, degree: int) -> tuple[_Triangles, Array]:
+    """Return the triangles (K,), split where need be, and integrals over them, (3, K) or for degree 2 (6, K).
 
-    u and v are the coordinates corner + u a + v b.
+    The integrals are those of phi times 1, u, v, and for degree 2 also u^2, u v, v^2, at corner + u a + v b.
     """
-    triangles, order = _ordered(_Triangles(fans.cell, np.zeros_like(fans.a), fans.a, fans.b), fans.robot, density)
+    triangles, order = _with_orders(_Triangles(fans.cell, np.zeros_like(fans.a), fans.a, fans.b), fans.robot, density)
     cell, corner, a, b = triangles
     corner = corner + fans.robot[cell]
-    ends = np.array([[corner.real, a.real, b.real], [corner.imag, a.imag, b.imag]])
-    sums = np.empty((6 if degree == 2 else 3, len(cell)))
-    for k in np.unique(order):
+    axes = np.array([[corner.real, a.real, b.real], [corner.imag, a.imag, b.imag]])
+    integrals = np.empty((3 if degree == 1 else 6, len(cell)))
+    for k in np.flatnonzero(np.bincount(order)):
         mine = np.flatnonzero(order == k)
-        at, weights = _rule(_NODES[k])
-        block = _BLOCK // len(at)
+        nodes, weights = _rule(_NODES[k])
+        block = _BLOCK // len(nodes)
         for start in range(0, len(mine), block):
-            some = mine[start:start+block]
-            x, y = at @ ends[..., some]
-            sums[:, some] = weights[:len(sums)] @ density.phi(x, y)
-    return triangles, sums * (a.conj() * b).imag
+            some = mine[start : start + block]
+            x, y = nodes @ axes[..., some]
+            integrals[:, some] = weights[: len(integrals)] @ density.phi(x, y)
+    return triangles, integrals * (a.conj() * b).imag
 
 
-def _ordered(triangles: _Triangles, robot: Complex, density: Density) -> tuple[_Triangles, Indices]:
-    """Return the triangles, split where need be, and the order of each (K,), an index to `_NODES`."""
-    cell, corner, a, b = triangles
+def _with_orders(triangles: _Triangles, robot: Complex, density: Density) -> tuple[_Triangles, Indices]:
+    """Return the triangles (K,), split where need be, and for each the index of its order in `_NODES` (K,)."""
     if np.isinf(density.scale):
-        return triangles, np.zeros(len(cell), dtype=int)
-    place = robot[cell] + corner
-    ends = np.stack([place, place + a, place + b])
-    levels = np.log(np.maximum(density.phi(ends.real, ends.imag), _LEAST))
-    longest = np.maximum(np.maximum(np.abs(a), np.abs(b)), np.abs(b - a))
-    change = levels.max(axis=0) - levels.min(axis=0) + (longest / density.scale) ** 2 / 2
-    big = change > _CHANGE[-1]
-    if big.any():
-        a, b = a[big], b[big]
-        quarters = _Triangles(
-            np.tile(cell[big], 4),
-            np.concatenate([corner[big] + shift for shift in (0, a / 2, b / 2, a / 2)]),
-            np.concatenate([a, a, a, b]) / 2,
-            np.concatenate([b, b, b, b - a]) / 2,
-        )
-        rest = _Triangles(*(part[~big] for part in triangles))
-        split = _Triangles(*(np.concatenate(parts) for parts in zip(rest, quarters, strict=True)))
-        return _ordered(split, robot, density)
-    return triangles, np.searchsorted(_CHANGE, change)
+        return triangles, np.zeros(len(triangles.cell), dtype=np.intp)
+    while True:
+        cell, corner, a, b = triangles
+        corner = corner + robot[cell]
+        places = np.stack([corner, corner + a, corner + b])
+        levels = np.log(np.maximum(density.phi(places.real, places.imag), _LEAST))
+        longest = np.maximum(np.maximum(np.abs(a), np.abs(b)), np.abs(b - a))
+        change = levels.max(axis=0) - levels.min(axis=0) + (longest / density.scale) ** 2 / 2
+        big = change > _CHANGE[-1]
+        if not big.any():
+            return triangles, np.searchsorted(_CHANGE, change)
+        triangles = _split(triangles, big)
+
+
+def _split(triangles: _Triangles, big: Mask) -> _Triangles:
+    """Cut the big triangles in four, at the middles of their edges."""
+    cell, corner, a, b = (part[big] for part in triangles)
+    quarters = (
+        np.tile(cell, 4),
+        np.concatenate([corner, corner + a / 2, corner + b / 2, corner + a / 2]),
+        np.concatenate([a, a, a, b]) / 2,
+        np.concatenate([b, b, b, b - a]) / 2,
+    )
+    return _Triangles(*(np.concatenate([old[~big], new]) for old, new in zip(triangles, quarters, strict=True)))
+
 
 @cache
 def _rule(nodes: int) -> tuple[Array, Array]:
-    """Return the nodes (Q, 3), as shares of corner, a and b, and the weights (6, Q) for the six integrals.
+    """Return the nodes (Q, 3), as (1, u, v), and their weights (6, Q) for the six integrals of `_integrals`.
 
-    Gauss-Jacobi along rays from the corner times Gauss-Legendre across them: exact to degree 2 nodes - 1.
+    Gauss-Jacobi along the rays from the corner, Gauss-Legendre across: exact for polynomials of degree 2 nodes - 1.
     """
     ray, ray_weights = roots_jacobi(nodes, 0, 1)
     across, across_weights = np.polynomial.legendre.leggauss(nodes)
     s, t = np.meshgrid((ray + 1) / 2, (across + 1) / 2, indexing="ij")
     u, v = (s * (1 - t)).ravel(), (s * t).ravel()
-    weights = np.outer(ray_weights / 4, across_weights / 2).ravel()
     one = np.ones_like(u)
+    weights = np.outer(ray_weights / 4, across_weights / 2).ravel()
     return np.stack([one, u, v], axis=1), weights * np.stack([one, u, v, u * u, u * v, v * v])

@@ -97,7 +97,7 @@ def test_a_ctrl_c_is_nobody_s_failure() -> None:
         list(run(_fail, [KeyboardInterrupt()], InProcess(lambda *_: None)))
 
 
-# --- real processes ----------------------------------------------------------------------------------------------------
+# --- real processes --------------------------------------------------------------------------------------------------
 
 
 def _work(item, on_step):

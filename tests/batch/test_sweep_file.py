@@ -135,8 +135,8 @@ WRONG = {
     "scenes: [anger]\ngrid:\n  robot.l:\n    - 0.01\n    - -1": "sweep.yaml:5: robot.l: -1: expected more than 0",
     "scenes: [anger]\ngrid:\n  robot.k: [1]": "sweep.yaml:3: robot.k: unknown key (did you mean robot.K?)",
     "scenes: [anger]\ngrid:\n  robot.l: {form: 1}": "sweep.yaml:3: grid.robot.l.form: unknown key (did you mean from?)",
-    "scenes: [anger]\ngrid:\n  robot.l: {from: 1, to: a, count: 2}": "sweep.yaml:3: grid.robot.l: expected numbers from "
-    "and to, and a count of at least 1",
+    "scenes: [anger]\ngrid:\n  robot.l: {from: 1, to: a, count: 2}": "sweep.yaml:3: grid.robot.l: expected numbers "
+    "from and to, and a count of at least 1",
     "scenes: [anger]\ngrid:\n  robot.l: {from: 0, to: 1, count: 2, log: true}": "sweep.yaml:3: grid.robot.l: log: "
     "expected true, with from and to above 0",
     "scenes: [anger]\nlist: 3": "sweep.yaml:2: list: expected a list of groups of keys, as in - {robot.l: 0.002, "
@@ -146,8 +146,8 @@ WRONG = {
     "scenes: [anger]\nset: {robot.K: 1}\ngrid: {robot.K: [1, 2]}": "sweep.yaml:3: grid.robot.K: given in set too",
     "scenes: [anger]\nseeds: [1]\nlist: [{seed: 1}]": "sweep.yaml:3: list.seed: given in seeds too",
     "scenes: [anger]\nseeds: [1, 1]": "sweep.yaml: items 1 and 2 are the same scene: scene anger, seed 1",
-    "scenes: [anger]\nseeds: 1000\ngrid: {robot.K: {from: 1, to: 2, count: 1000}}": "sweep.yaml: 1000000 items: at most "
-    "100000",
+    "scenes: [anger]\nseeds: 1000\ngrid: {robot.K: {from: 1, to: 2, count: 1000}}": "sweep.yaml: 1000000 items: at "
+    "most 100000",
     "scenes: [anger]\n  - x": "sweep.yaml:2: not YAML: expected <block end>, but found '<block sequence start>'",
 }  # fmt: skip
 

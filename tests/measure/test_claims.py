@@ -32,7 +32,7 @@ def test_the_shipped_scenes_carry_what_the_paper_claims_on_any_seed(seed: int) -
 
 @pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: claim.text)
 def test_each_claim_can_fail(claim) -> None:
-    # The larger side halved and the smaller doubled, until the inequality breaks: a claim that no numbers break is none.
+    # A claim that no numbers break is none: the larger side is made small, the smaller side large.
     measured = {name: dict(values) for name, values in shipped().items()}
     for side, factor in ((claim.more, 0.01), (claim.less, 100.0)):
         if isinstance(side, Quantity):

@@ -28,8 +28,9 @@ def test_centroids_of_the_shipped_densities_are_those_of_dblquad(emotion: str, r
     law = load_scene(emotion).behaviour
     assert isinstance(law, Coverage)
     density = density_of(law.density, STAGE)
-    cells = voronoi_cells(random_points(robots, robots), corners_of(STAGE))
-    mass, centroid = mass_and_centroid(cells, density)
+    points = random_points(robots, robots)
+    cells = voronoi_cells(points, corners_of(STAGE))
+    mass, centroid = mass_and_centroid(points, corners_of(STAGE), density)
     for i in range(min(robots, 4)):
         expected_mass, expected = centroid_by_dblquad(cells[i], density.phi)
         assert mass[i] == pytest.approx(expected_mass, rel=1e-5)
@@ -38,8 +39,9 @@ def test_centroids_of_the_shipped_densities_are_those_of_dblquad(emotion: str, r
 
 @pytest.mark.parametrize("robots", [1, 2, 15, 500])
 def test_uniform_centroids_are_exact(robots: int) -> None:
-    cells = voronoi_cells(random_points(robots, 7), corners_of(STAGE))
-    mass, centroid = mass_and_centroid(cells, density_of(UNIFORM, STAGE))
+    points = random_points(robots, 7)
+    cells = voronoi_cells(points, corners_of(STAGE))
+    mass, centroid = mass_and_centroid(points, corners_of(STAGE), density_of(UNIFORM, STAGE))
     for i, cell in enumerate(cells):
         expected_area, expected = shoelace(cell)
         assert mass[i] == pytest.approx(expected_area, rel=1e-12)
@@ -50,8 +52,7 @@ def test_uniform_centroids_are_exact(robots: int) -> None:
 def test_gaussian_over_the_stage_has_its_closed_form(sigma: float) -> None:
     # Split at x = 0: each half's mass and mean are one-dimensional integrals of a Gaussian.
     density = density_of(Gaussian(kind="gaussian", sigma=sigma), STAGE)
-    cells = voronoi_cells(np.array([[0.3, 0.0], [-0.3, 0.0]]), corners_of(STAGE))
-    mass, centroid = mass_and_centroid(cells, density)
+    mass, centroid = mass_and_centroid(np.array([[0.3, 0.0], [-0.3, 0.0]]), corners_of(STAGE), density)
     root = sigma * np.sqrt(2)
     along_x = sigma * np.sqrt(np.pi / 2) * erf(0.6 / root)
     along_y = 2 * sigma * np.sqrt(np.pi / 2) * erf(0.4 / root)
@@ -63,9 +64,10 @@ def test_gaussian_over_the_stage_has_its_closed_form(sigma: float) -> None:
 def test_a_cell_far_out_in_the_tail_keeps_an_exact_centroid() -> None:
     # Beyond x = 0.55, 11 standard deviations out: mass 1e-27, mean just inside the cell's edge.
     density = density_of(Gaussian(kind="gaussian", sigma=0.05), STAGE)
-    cells = voronoi_cells(np.array([[0.58, 0.0], [0.52, 0.0]]), corners_of(STAGE))
+    points = np.array([[0.58, 0.0], [0.52, 0.0]])
+    cells = voronoi_cells(points, corners_of(STAGE))
     _, expected = centroid_by_dblquad(cells[0], lambda x, y: 1e24 * density.phi(x, y))
-    assert mass_and_centroid(cells, density)[1][0] == pytest.approx(expected, abs=TOLERANCE)
+    assert mass_and_centroid(points, corners_of(STAGE), density)[1][0] == pytest.approx(expected, abs=TOLERANCE)
 
 
 def test_densities_by_hand() -> None:
