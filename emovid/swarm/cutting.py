@@ -1,6 +1,6 @@
 """Voronoi cells by cutting, slow and obvious: a cell is the stage, cut with the bisectors to the other robots.
 
-Places are complex numbers, as in `voronoi`.
+Places and vectors are complex numbers, as in `voronoi`.
 """
 
 import numpy as np

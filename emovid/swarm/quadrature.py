@@ -1,9 +1,9 @@
 """Integrals of a density over Voronoi cells, given as fans of triangles about their robots.
 
-Each triangle has a Gauss rule, of an order that follows from how much the density changes over it: the range of log phi
-at its corners, plus half the square of its longest edge over the density's scale. Where that is too much for the highest
-order, triangles are split. Weights and densities are positive, so a cell far out in a Gaussian's tail has as exact a
-centroid as one at its peak: to a millionth of the density's scale, and to rounding for a constant density.
+Each triangle has a Gauss rule, of an order that follows from how much the density changes over it: the range of log
+phi at its corners, plus half the square of its longest edge over the density's scale. Where that is too much for the
+highest order, triangles are split. Weights and densities are positive, so a cell far out in a Gaussian's tail has as
+exact a centroid as one at its peak: to a millionth of the density's scale, and to rounding for a constant density.
 """
 
 from functools import cache
@@ -21,7 +21,7 @@ from emovid.swarm.voronoi import Fans
 # out. In the valley of such a sum its terms change more than it does, which costs a peak alone an order or two.
 _NODES, _CHANGE = (2, 3, 5, 8, 12, 16, 20), np.array([0.04, 0.1, 0.9, 3.4, 10.0, 40.0, 75.0])
 _LEAST = np.finfo(float).tiny  # densities below have lost digits
-_BLOCK = 1 << 16  # nodes at a time, to bound what a swarm of any size takes
+_BLOCK = 1 << 14  # nodes at a time: what a cache holds
 
 
 class _Triangles(NamedTuple):
@@ -35,11 +35,16 @@ class _Triangles(NamedTuple):
 
 def mass_and_moment(fans: Fans, density: Density) -> tuple[Array, Complex]:
     """Return the mass of each cell (cells,) and its first moment about the robot (cells,)."""
-    (cell, corner, a, b), (mass, u, v) = _integrals(fans, density, degree=1)
-    moment = mass * corner + u * a + v * b
+    if np.isinf(density.scale):  # constant: a triangle's centroid is the mean of its corners
+        cell, a, b = fans.cell, fans.a, fans.b
+        mass = float(density.phi(np.zeros(1), np.zeros(1))[0]) / 2 * (a.conj() * b).imag
+        moment = mass / 3 * (a + b)
+    else:
+        (cell, corner, a, b), (mass, u, v) = _integrals(fans, density, degree=1)
+        moment = mass * corner + u * a + v * b
     cells = len(fans.robot)
-    along_x, along_y = np.bincount(cell, moment.real, cells), np.bincount(cell, moment.imag, cells)
-    return np.bincount(cell, mass, cells), along_x + 1j * along_y
+    masses = np.bincount(cell, mass, cells).astype(float)  # it is so already, but numpy's type says whole numbers
+    return masses, np.bincount(cell, moment.real, cells) + 1j * np.bincount(cell, moment.imag, cells)
 
 
 def polar_moment(fans: Fans, density: Density) -> float:

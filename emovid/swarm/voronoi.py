@@ -55,7 +55,7 @@ def voronoi_fans(points: Array, corners: Array) -> Fans:
         points: on the stage (N, 2) [m].
         corners: of the stage (C, 2) [m], counter-clockwise.
     """
-    robots, outline = _complex(points - corners[0]), _complex(corners - corners[0])
+    robots, outline = _complex(points), _complex(corners)
     cell_of = np.arange(len(robots))
     with np.errstate(divide="ignore", invalid="ignore"):
         links = _delaunay_links(robots)
@@ -63,13 +63,13 @@ def voronoi_fans(points: Array, corners: Array) -> Fans:
             robots, cell_of = np.unique(robots, return_inverse=True)
             links = _delaunay_links(robots) or _links_on_a_line(robots)
         cell, a, b = _fans(robots, links, outline)
-    stage = (outline[1:-1].conj() * outline[2:]).imag.sum()
+    stage = ((outline[1:-1] - outline[0]).conj() * (outline[2:] - outline[0])).imag.sum()
     if not abs((a.conj() * b).imag.sum() - stage) <= _TOLERANCE * stage:
         # Robots less than some 1e-7 of the swarm's extent apart: Qhull's rounding errors are as large.
         cells = cut_cells(robots, outline)
         cell = np.repeat(np.arange(len(cells)), [len(ring) for ring in cells])
         a, b = np.concatenate(cells), np.concatenate([np.roll(ring, -1) for ring in cells])
-    return Fans(cell_of, robots + complex(*corners[0]), cell, a, b)
+    return Fans(cell_of, robots, cell, a, b)
 
 
 def voronoi_cells(points: Array, corners: Array) -> Array:
@@ -131,8 +131,7 @@ def _links_on_a_line(robots: Complex) -> _Links:
 def _fans(robots: Complex, links: _Links, outline: Complex) -> tuple[Indices, Complex, Complex]:
     """Return the cell and the corners a and b of each triangle, as in `Fans`."""
     i, j, right, left = links
-    p, q = robots[i], robots[j]
-    d, middle = q - p, (p + q) / 2
+    d, middle = robots[j] - robots[i], (robots[i] + robots[j]) / 2
     side = np.concatenate([outline[1:], outline[:1]]) - outline
     # Only a cell with a corner farther off than the nearest edge can reach the rim of the stage.
     room = ((robots[:, None] - outline) * (side / np.abs(side)).conj()).imag.min(axis=1)
@@ -149,34 +148,31 @@ def _fans(robots: Complex, links: _Links, outline: Complex) -> tuple[Indices, Co
     first, last = np.where(falling, -np.inf, s).max(axis=1), np.where(falling, s, np.inf).min(axis=1)
     left[near] = np.minimum(np.maximum(left[near], first), last)
     right[near] = np.minimum(np.maximum(right[near], first), last)
-    cell, begin, end = _along_edges(rim, i[near], j[near], t, falling)
-    cell, edge = np.divmod(cell, len(side))
-    begin, end = outline[edge] + begin * side[edge], outline[edge] + end * side[edge]
+    stretch, begin, end = _along_edges(rim, i[near], j[near], t, falling)
+    on_rim, edge = np.divmod(stretch, len(side))
     seen = np.flatnonzero(left != right)
-    i, j, middle, way = i[seen], j[seen], middle[seen], 1j * d[seen]
-    from_right, to_left = middle + right[seen] * way, middle + left[seen] * way
-    cell = np.concatenate([i, j, cell])
-    robot = robots[cell]
-    return (
-        cell,
-        np.concatenate([from_right, to_left, begin]) - robot,
-        np.concatenate([to_left, from_right, end]) - robot,
-    )
+    half, way = d[seen] / 2, 1j * d[seen]
+    right_end, left_end = right[seen] * way, left[seen] * way
+    start, stop = (outline[edge] + t * side[edge] - robots[on_rim] for t in (begin, end))
+    a = np.concatenate([half + right_end, left_end - half, start])
+    b = np.concatenate([half + left_end, right_end - half, stop])
+    return np.concatenate([i[seen], j[seen], on_rim]), a, b
 
 
 def _along_edges(rim: Mask, i: Indices, j: Indices, t: Array, falling: Mask) -> tuple[Indices, Array, Array]:
-    """Return the stretches of the stage's edges that belong to the cells on its rim: cell * C + edge, beginning, end.
+    """Return the stretches of the stage's C edges in the cells on its rim: C cell + edge, beginning and end (S,).
 
     Args:
         rim: which cells are on it (cells,).
-        i, j: the links of those cells (L,).
+        i: of the links of those cells (L,).
+        j: the other robots of the links (L,).
         t: where their bisectors meet the edges (L, C), 0 at an edge's beginning and 1 at its end.
-        falling: whether the edge comes nearer to i as t rises, rather than to j (L, C).
+        falling: whether an edge leaves j's side of the bisector for i's as t rises (L, C).
     """
     edges = np.arange(t.shape[1])
-    i, j = i[:, None] * len(edges) + edges, j[:, None] * len(edges) + edges
+    of_i, of_j = i[:, None] * len(edges) + edges, j[:, None] * len(edges) + edges
     begin, end = np.zeros(len(rim) * len(edges)), np.repeat(rim.astype(float), len(edges))
-    np.maximum.at(begin, np.where(falling, i, j).ravel(), t.ravel())
-    np.minimum.at(end, np.where(falling, j, i).ravel(), t.ravel())
-    owned = np.flatnonzero(begin < end)
-    return owned, begin[owned], end[owned]
+    np.maximum.at(begin, np.where(falling, of_i, of_j).ravel(), t.ravel())
+    np.minimum.at(end, np.where(falling, of_j, of_i).ravel(), t.ravel())
+    stretch = np.flatnonzero(begin < end)
+    return stretch, begin[stretch], end[stretch]

@@ -4,9 +4,11 @@ imageio-ffmpeg brings the binary and nothing else: its writer ignores the exit s
 leaves a short but playable file under the final name.
 """
 
+import errno
 import os
 import re
 import select
+import signal
 import subprocess
 import tempfile
 from collections.abc import Callable, Iterable
@@ -23,6 +25,7 @@ from emovid.video.formats import PICTURE, is_picture
 from emovid.whole_files import reason, whole_file, whole_folder
 
 _GRACE = 60  # seconds ffmpeg may take to accept more of a frame, and to finish a file once it has all of them
+_SYSTEM_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS, errno.EACCES, errno.ENOENT)
 _PATIENCE = 600  # seconds ffmpeg may take to say its version, or how many frames a file has
 
 
@@ -133,7 +136,7 @@ def _encode(
             with held_signals():
                 _end(process)
         if status:
-            raise RenderError(f"{target}: ffmpeg failed with exit status {status}: {_last_line(log)}")
+            raise RenderError(f"{target}: ffmpeg failed with exit status {status}: {_cause(log, status)}")
 
 
 def _check_count(found: int, wanted: int, target: Path) -> None:
@@ -189,7 +192,11 @@ def _end(process: "subprocess.Popen[bytes] | None") -> None:
         process.wait()
 
 
-def _last_line(log: IO[bytes]) -> str:
+def _cause(log: IO[bytes], status: int) -> str:
+    """Return what ffmpeg says went wrong, first of all the system's reason; or the signal that ended it."""
     log.seek(0)
     lines = log.read().decode(errors="replace").strip().splitlines()
-    return lines[-1] if lines else "no message"
+    reasons = tuple(os.strerror(number) for number in _SYSTEM_ERRORS)
+    if lines:
+        return next((line for line in lines if line.endswith(reasons)), lines[-1])
+    return (signal.strsignal(-status) or "").lower() if status < 0 else "no message"

@@ -22,7 +22,7 @@ stimuli:
 set: {robots: 6}
 video: {size: 160x90, fps: 10, duration: 1}
 demographics:
-  - {name: gender, question: What is your gender?, choices: [Woman, Man, Another gender]}
+  - {name: gender, question: "What is your gender?", choices: [Woman, Man, Another gender]}
 consent: {text: You can stop at any time., version: "1"}
 instructions: Watch each video to its end.
 thanks: {text: Thank you.}

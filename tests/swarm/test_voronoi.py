@@ -3,19 +3,45 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from polygons import area, mirrored_voronoi, shoelace
+from stages import HEXAGON, THIN, TRIANGLE, convex_corners
 
 from emovid.scene.stage import Rectangle
+from emovid.swarm import voronoi
 from emovid.swarm.coverage import corners_of
+from emovid.swarm.cutting import cut_cells
 from emovid.swarm.voronoi import voronoi_cells
 
 STAGE = Rectangle(width=1.2, height=0.8)
 CORNERS = corners_of(STAGE)
-# A coarse grid makes coincident points, points on a line, and points on the edge likely.
+# A coarse grid makes coincident points, points on a line or a circle, and points on the edge likely.
 POINT = st.tuples(st.integers(-12, 12), st.integers(-8, 8)).map(lambda p: (p[0] / 20, p[1] / 20))
 
 
 def areas(cells: np.ndarray) -> np.ndarray:
-    return np.array([shoelace(cell)[0] for cell in cells])
+    x, y = np.moveaxis(cells - cells[:, :1], -1, 0)
+    return np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1) / 2
+
+
+def uniform(robots: int, seed: int, corners: np.ndarray = CORNERS) -> np.ndarray:
+    """Return random points in a convex polygon."""
+    shares = np.random.default_rng(seed).dirichlet(np.ones(len(corners)), robots)
+    return shares @ corners
+
+
+def assert_cells_are_those_of_cutting(
+    points: np.ndarray, corners: np.ndarray, about: float, area: float = 1e-14
+) -> None:
+    """Hold areas and, where there is an area, centroids against cutting: to shares of the stage's extent."""
+    distinct, which = np.unique(points, axis=0, return_inverse=True)
+    robots = distinct[:, 0] + 1j * distinct[:, 1]
+    expected = [np.stack([ring.real, ring.imag], 1) for ring in cut_cells(robots, corners[:, 0] + 1j * corners[:, 1])]
+    extent = np.ptp(corners, axis=0).max()
+    for point, cell, k in zip(points, voronoi_cells(points, corners), which, strict=True):
+        expected_area, expected_centroid = shoelace(expected[k])
+        found_area, centroid = shoelace(cell - point)
+        assert found_area == pytest.approx(expected_area, abs=area * extent**2)
+        if expected_area > 1e-6 * extent**2:
+            assert centroid == pytest.approx(expected_centroid, abs=about * extent), k
 
 
 @pytest.mark.parametrize("robots", [2, 3, 15, 200, 3000])
@@ -29,13 +55,15 @@ def test_one_robot_has_the_whole_stage() -> None:
     assert voronoi_cells(np.array([[0.3, 0.1]]), CORNERS)[0] == pytest.approx(CORNERS)
 
 
-def test_a_clustered_swarm_needs_more_than_the_nearest_neighbours() -> None:
-    # The point on the left is hemmed in by none of its nearest 32: its cell ends at the far ones.
-    rng = np.random.default_rng(1)
-    crowd = rng.normal([0.4, 0.0], 0.001, (100, 2))
-    points = np.concatenate([[[0.0, 0.0]], crowd, [[-0.2, 0.0]]])
-    expected = [area(corners) for corners in mirrored_voronoi(points, 1.2, 0.8)]
-    assert areas(voronoi_cells(points, CORNERS)) == pytest.approx(expected, rel=1e-7, abs=1e-13)
+def test_two_robots_share_the_stage_at_their_bisector() -> None:
+    left, right = voronoi_cells(np.array([[-0.3, 0.0], [0.1, 0.0]]), CORNERS)
+    assert left == pytest.approx(np.array([[-0.6, -0.4], [-0.1, -0.4], [-0.1, 0.4], [-0.6, 0.4]]))
+    assert right == pytest.approx(np.array([[-0.1, -0.4], [0.6, -0.4], [0.6, 0.4], [-0.1, 0.4]]))
+
+
+@given(st.lists(POINT, min_size=1, max_size=40))
+def test_cells_are_those_of_cutting(points: list[tuple[float, float]]) -> None:
+    assert_cells_are_those_of_cutting(np.array(points), CORNERS, about=1e-13)
 
 
 @given(st.lists(POINT, min_size=1, max_size=40, unique=True))
@@ -56,14 +84,100 @@ def test_a_place_lies_in_the_cell_of_its_nearest_robot(
     assert (beside >= -1e-12).all()
 
 
+@given(convex_corners(), st.integers(1, 30), st.integers(0, 1000), st.booleans())
+def test_any_convex_stage_will_do(corners: list[tuple[float, float]], robots: int, seed: int, cornered: bool) -> None:
+    stage = np.array(corners)
+    points = uniform(robots, seed, stage)
+    if cornered:
+        points = np.concatenate([points, stage, (stage + np.roll(stage, 1, axis=0)) / 2])
+    assert areas(voronoi_cells(points, stage)).sum() == pytest.approx(shoelace(stage)[0], rel=1e-12)
+    assert_cells_are_those_of_cutting(points, stage, about=1e-11)
+
+
+@pytest.mark.parametrize("corners", [TRIANGLE, HEXAGON, THIN])
+def test_a_lone_robot_s_cell_is_the_polygon(corners: list[tuple[float, float]]) -> None:
+    stage = np.array(corners)
+    (cell,) = voronoi_cells(stage.mean(axis=0)[None], stage)
+    found_area, centroid = shoelace(cell)
+    expected_area, expected = shoelace(stage)
+    assert found_area == pytest.approx(expected_area, rel=1e-12)
+    assert centroid == pytest.approx(expected, abs=1e-12)
+
+
 def test_coincident_robots_share_a_cell() -> None:
-    points = np.array([[0.1, 0.1], [0.1, 0.1], [-0.3, 0.0]])
+    points = np.array([[0.1, 0.1], [-0.3, 0.0], [0.1, 0.1]])
     cells = voronoi_cells(points, CORNERS)
-    assert areas(cells[:1]) == pytest.approx(areas(cells[1:2]))
+    assert np.array_equal(cells[0], cells[2])
     assert areas(cells)[1:].sum() == pytest.approx(0.96)
 
 
-def test_any_convex_stage_will_do() -> None:
-    hexagon = np.stack([np.cos(np.arange(6) * np.pi / 3), np.sin(np.arange(6) * np.pi / 3)], axis=1)
-    points = np.random.default_rng(0).uniform(-0.5, 0.5, (20, 2))
-    assert areas(voronoi_cells(points, hexagon)).sum() == pytest.approx(shoelace(hexagon)[0], abs=1e-12)
+def test_robots_all_at_one_place_have_the_stage() -> None:
+    assert areas(voronoi_cells(np.full((20, 2), 0.1), CORNERS)) == pytest.approx(np.full(20, 0.96))
+
+
+@pytest.mark.parametrize("end", [(0.6, 0.0), (0.0, 0.4), (0.6, 0.4)])
+def test_robots_on_a_line_cut_the_stage_into_strips(end: tuple[float, float]) -> None:
+    points = np.linspace(-1, 1, 41)[:, None] * end
+    assert_cells_are_those_of_cutting(points, CORNERS, about=1e-12)
+
+
+def test_robots_on_a_circle_have_its_sectors() -> None:
+    angle = np.arange(60) * np.pi / 30
+    points = 0.3 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    assert_cells_are_those_of_cutting(points, CORNERS, about=1e-12)
+
+
+@pytest.fixture
+def cuttings(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Count how many times the cells are cut, after all: the numbers of robots."""
+    calls: list[int] = []
+
+    def counted(robots: np.ndarray, outline: np.ndarray) -> list[np.ndarray]:
+        calls.append(len(robots))
+        return cut_cells(robots, outline)
+
+    monkeypatch.setattr(voronoi, "cut_cells", counted)
+    return calls
+
+
+@pytest.mark.parametrize("share", [1.0, 0.25, 1e-3, 1e-6])
+def test_ten_thousand_robots_are_never_cut_however_close_their_swarm(share: float, cuttings: list[int]) -> None:
+    points = share * uniform(10_000, 2) + [0.1, 0.2] * np.array(1 - share)
+    cells = voronoi_cells(points, CORNERS)
+    assert areas(cells).sum() == pytest.approx(0.96, abs=1e-12)
+    assert not cuttings
+
+
+def test_a_lattice_with_robots_all_along_the_edge_is_not_cut_either(cuttings: list[int]) -> None:
+    x, y = np.meshgrid(np.linspace(-0.6, 0.6, 101), np.linspace(-0.4, 0.4, 81))
+    found = areas(voronoi_cells(np.stack([x.ravel(), y.ravel()], axis=1), CORNERS)).reshape(x.shape)
+    assert found[1:-1, 1:-1] == pytest.approx(np.full((79, 99), 0.012 * 0.01), rel=1e-9)
+    assert found[0, 0] == pytest.approx(0.006 * 0.005, rel=1e-9)
+    assert not cuttings
+
+
+# Robots less than 1e-9 m apart are told apart, or share a cell, but their border has no more digits.
+@pytest.mark.parametrize("apart", [1e-4, 1e-7, 1e-9, 1e-15])
+def test_robots_next_to_each_other_halve_their_cell(apart: float) -> None:
+    points = np.concatenate([uniform(30, 4), [[0.1, 0.05], [0.1 + apart, 0.05]]])
+    assert_cells_are_those_of_cutting(points, CORNERS, about=1e-8, area=1e-9)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1e-5, 1e-6, 1e-7, 1e-9])
+def test_a_crowd_smaller_than_qhull_resolves_is_cut(size: float, cuttings: list[int]) -> None:
+    crowd = np.random.default_rng(3).normal([0.3, 0.1], size, (25, 2))
+    points = np.concatenate([crowd, [[-0.5, -0.3], [-0.2, 0.35]]])
+    assert_cells_are_those_of_cutting(points, CORNERS, about=1e-8, area=1e-9)
+    assert bool(cuttings) == (size < 1e-6)
+
+
+def test_a_robot_that_rounding_puts_beyond_the_edge_may_have_no_cell() -> None:
+    points = np.array([[0.6, 0.0], [np.nextafter(0.6, 1), 0.0], [0.0, 0.0]])
+    cells = voronoi_cells(points, CORNERS)
+    assert areas(cells) == pytest.approx([0.3 * 0.8, 0.0, 0.9 * 0.8])
+    assert cells[1] == pytest.approx(np.tile(points[1], (cells.shape[1], 1)))
+
+
+def test_the_same_points_give_the_same_bits() -> None:
+    points = uniform(2000, 5)
+    assert np.array_equal(voronoi_cells(points, CORNERS), voronoi_cells(points.copy(), CORNERS))

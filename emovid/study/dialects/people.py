@@ -33,11 +33,11 @@ PARTICIPANT = (
     "id",
 )
 _TRAIT_WORDS = "gender sex age background robotics experience education country nationality language"
-# Words of columns that say something of the session or of the person that no table of a paper should hold.
+# Words of columns that say something of the session, of a trial, or of the person that no table of a paper should hold.
 _PRIVATE_WORDS = (
     "ip email mail name phone latitude longitude location address date time timestamp url browser agent version seed "
     "token referrer referer user key status progress finished duration collector started ended created modified "
-    "prolific pid worker assignment index file hash comment comments seconds rt"
+    "prolific pid worker assignment index file hash comment comments seconds rt plays choices confidence valence arousal"
 )
 _TRAITS, _PRIVATE = frozenset(_TRAIT_WORDS.split()), frozenset(_PRIVATE_WORDS.split())
 _MOST_LEVELS = 12

@@ -1,0 +1,172 @@
+"""`emovid study build`, `audit` and `export`: a blinded kit of stimuli, and what labs need of it."""
+
+import json
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from emovid.cli.options import Force, Json, Quiet
+from emovid.errors import InputError, nearest
+
+if TYPE_CHECKING:
+    from emovid.kit.audit import Audit
+
+KitPath = Annotated[Path, typer.Argument(metavar="KIT", help="The folder of a kit.")]
+Responses = Annotated[
+    list[Path] | None,
+    typer.Option("--responses", help="An export of the survey; more than once for several.", show_default=False),
+]
+
+
+def build(
+    study: Annotated[Path, typer.Argument(metavar="STUDY", help="A study.yaml, or the folder that holds one.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="The folder of the kit, made if missing.")] = Path(
+        "kit"
+    ),
+    participants: Annotated[
+        int | None, typer.Option(min=1, max=100_000, help="Orders to make.", show_default="as the study says")
+    ] = None,
+    seed: Annotated[
+        int | None,
+        typer.Option(min=0, help="What all is drawn from, to make a kit again.", show_default="a fresh secret"),
+    ] = None,
+    force: Force = False,
+    quiet: Quiet = False,
+) -> None:
+    """Make a kit: stimuli under random codes, orders, the key. What is there of the same study and seed is kept.
+
+    Examples: emovid study build studies/example -o kit/ · emovid study build my_study/ -o kit/ --participants 60
+    """
+    from emovid.kit.build import build as make
+    from emovid.kit.load import load_study
+    from emovid.kit.secret import GUESSABLE
+
+    loaded = load_study(study)
+    report = _Lines(quiet)
+    made = make(loaded, output, participants or loaded.study.participants, seed, report, force=force)
+    if quiet:
+        return
+    print(f"{output}: {len(made.codes)} videos, orders for {made.participants} participants", file=sys.stderr)
+    print("public/ is for everybody; private/ for nobody before the answers are in", file=sys.stderr)
+    if made.seed < GUESSABLE:
+        warning = "this seed can be guessed, and the key with it: for a real study leave --seed out"
+        print(warning, file=sys.stderr)
+
+
+class _Lines:
+    """Says when a video is done."""
+
+    def __init__(self, quiet: bool) -> None:
+        self.quiet = quiet
+
+    def advanced(self, video: Path, frames: int) -> None:
+        pass
+
+    def finished(self, video: Path, number: int, count: int, *, made: bool) -> None:
+        if not self.quiet:
+            print(f"[{number}/{count}] {video}: {'made' if made else 'up to date'}", file=sys.stderr, flush=True)
+
+
+def audit(
+    kit: KitPath,
+    key: Annotated[
+        Path | None,
+        typer.Option("--key", help="A published key, its salt.txt beside it.", show_default="the private one"),
+    ] = None,
+    responses: Responses = None,
+    as_json: Json = False,
+) -> None:
+    """Look for whatever could tell a participant the emotion; exit with 1 and a line for each finding.
+
+    Examples: emovid study audit kit/ · emovid study audit kit/ --responses answers.csv
+    """
+    from dataclasses import asdict
+
+    from emovid.kit.audit import audit as run
+
+    found = run(kit, key, responses or [])
+    if as_json:
+        facts = asdict(found) | {"findings": [finding._asdict() for finding in found.findings]}
+        typer.echo(json.dumps(facts, indent=2))
+    else:
+        _show(found)
+    if found.findings:
+        raise typer.Exit(1)
+
+
+def export(
+    kit: KitPath,
+    to: Annotated[
+        str,
+        typer.Option(
+            "--to", metavar="TOOL", help="jspsych, psychopy, qualtrics, limesurvey, psych-ds, prereg, checklist."
+        ),
+    ],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="The folder to write into.", show_default="KIT/exports/TOOL")
+    ] = None,
+    video_url: Annotated[
+        str, typer.Option("--video-url", help="Where Qualtrics or LimeSurvey finds the videos.")
+    ] = "videos",
+    responses: Responses = None,
+    quiet: Quiet = False,
+) -> None:
+    """Write a kit for a tool that labs use, a data set, a preregistration draft or a reporting checklist.
+
+    Example: emovid study export kit/ --to jspsych
+    """
+    from emovid.kit.export import TOOLS
+    from emovid.kit.export import export as run
+    from emovid.kit.read import open_kit
+
+    if to not in TOOLS:
+        raise InputError(f"--to {to}: expected one of {', '.join(TOOLS)}{nearest(to, TOOLS)}")
+    if output is not None and output.exists() and not output.is_dir():
+        raise InputError(f"-o {output}: is a file; expected a folder")
+    if responses and to != "psych-ds":
+        raise InputError(f"--responses: no answers go into {to}; expected --to psych-ds")
+    written = run(open_kit(kit), to, output, video_url, responses or [])
+    if not quiet:
+        folder = output or kit / "exports" / to
+        print(f"{folder}: {len(written)} files; start with {_first(written)}", file=sys.stderr)
+
+
+def _first(written: list[Path]) -> str:
+    names = [path.name for path in written]
+    return "README.md" if "README.md" in names else names[0]
+
+
+def _show(found: "Audit") -> None:
+    """Print the findings, what was checked, the sizes and the balance."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(highlight=False, markup=False)
+    for finding in found.findings:
+        console.print(str(finding), soft_wrap=True)
+    checks = Table("check", "findings", box=box.SIMPLE)
+    for name, count in found.checks.items():
+        checks.add_row(name, str(count or "none"))
+    sizes = Table("emotion", "code", "bytes", "of them needed", "kbit/s", box=box.SIMPLE)
+    for row in found.sizes:
+        cells = (row["emotion"], row["video_code"], row["bytes"], row["content_bytes"], row["kbit_per_s"])
+        sizes.add_row(*map(str, cells))
+    console.print(checks, sizes)
+    console.print("Files are made equally long; the bit rate inside follows the motion, and cannot be hidden.")
+    if found.orders:
+        console.print(_balance("Orders", found.orders), soft_wrap=True)
+    if found.left:
+        facts = found.left
+        people = f"{facts['participants']} participants, {facts['complete']} with all videos"
+        console.print(f"Answers: {people}, {facts['answers']} answers", soft_wrap=True)
+        console.print(_balance("Answers", facts), soft_wrap=True)
+
+
+def _balance(what: str, facts: Mapping[str, Any]) -> str:
+    places = f"{facts['places_least']} to {facts['places_most']} times in each place"
+    after = f"{facts['neighbours_least']} to {facts['neighbours_most']} times right after each other one"
+    return f"{what}: each video {places}, {after}"

@@ -1,0 +1,123 @@
+"""Text that participants could see: the manifest, pages, preload lists, exported surveys."""
+
+import re
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+from emovid.kit.checks.finding import Finding
+from emovid.kit.checks.hints import Hints
+from emovid.kit.read import Kit
+from emovid.scene.emotions import EMOTIONS
+from emovid.scene.load import load_scene, scene_digest
+from emovid.swarm.simulate import simulate
+
+_TEXT = (
+    ".html",
+    ".htm",
+    ".js",
+    ".mjs",
+    ".css",
+    ".json",
+    ".csv",
+    ".tsv",
+    ".txt",
+    ".md",
+    ".xml",
+    ".svg",
+    ".yaml",
+    ".vtt",
+)
+_NEAR = 200  # characters of a line that belong to a code in it
+_GROUP = 600  # characters of a group in braces, brackets or a tag, that belong to a code in it
+
+
+def check_manifest(kit: Kit) -> Iterator[Finding]:
+    """Check that the manifest has only the keys it should have."""
+    for key in kit.unknown:
+        yield Finding("manifest", "public/manifest.json", f"unknown key {key}")
+
+
+def check_pages(kit: Kit, hints: Hints) -> Iterator[Finding]:
+    """Check that no text says the emotion of a code, or lists the codes in an order that could tell it."""
+    codes = re.compile("|".join(map(re.escape, kit.manifest.codes)))
+    for path in _texts(kit):
+        where = str(path.relative_to(kit.folder.path))
+        text = path.read_text(encoding="utf-8", errors="replace")
+        found = list(codes.finditer(text))
+        told: dict[str, set[str]] = {}
+        for match in found:
+            for part in (_line(text, match), _group(text, match)):
+                named = hints.in_text(part)
+                if named and not hints.labels <= named:  # all labels together are the list of answers
+                    told.setdefault(match[0], set()).update(named)
+        for code, named in told.items():
+            yield Finding("pages", where, f"names {', '.join(sorted(named))} beside {code}")
+        first = list(dict.fromkeys(match[0] for match in found))
+        is_order = path.suffix == ".csv" and "position" in text.partition("\n")[0].split(",")
+        if first != sorted(first) and not is_order:
+            yield Finding("pages", where, "lists the videos in another order than that of their codes")
+
+
+def check_secrets(kit: Kit) -> Iterator[Finding]:
+    """Check that nothing public holds a private text, or the digest of a public scene or of its run."""
+    private = {name: _content(path) for name, path in (("seed", kit.folder.seed), ("salt", kit.folder.salt))}
+    secrets = {text: f"the private {name}" for name, text in private.items() if len(text) >= 8}
+    for emotion in EMOTIONS:
+        scene, run = _digests(emotion)
+        secrets |= {scene: f"the digest of the public scene {emotion}"}
+        secrets |= {run: f"the digest of the run of the public scene {emotion}"}
+    for path in sorted(path for path in _shown(kit) if path.is_file()):
+        data = path.read_bytes()
+        for text, name in secrets.items():
+            if text.encode() in data:
+                yield Finding("secrets", str(path.relative_to(kit.folder.path)), f"holds {name}")
+
+
+@cache
+def _digests(emotion: str) -> tuple[str, str]:
+    """Return the digests of a public scene and of its run."""
+    scene = load_scene(emotion)
+    return scene_digest(scene), simulate(scene).digest()
+
+
+def _shown(kit: Kit) -> list[Path]:
+    return [*kit.folder.public.rglob("*"), *kit.folder.exports.rglob("*")]
+
+
+def _texts(kit: Kit) -> list[Path]:
+    return sorted(path for path in _shown(kit) if path.is_file() and path.suffix.lower() in _TEXT)
+
+
+def _content(path: Path) -> str:
+    try:
+        return path.read_text().strip()
+    except OSError:
+        return ""
+
+
+def _line(text: str, match: "re.Match[str]") -> str:
+    """Return what stands near a match on its line."""
+    before = text[max(match.start() - _NEAR, 0) : match.start()].rpartition("\n")[2]
+    return f"{before} {text[match.end() : match.end() + _NEAR].partition(chr(10))[0]}"
+
+
+def _group(text: str, match: "re.Match[str]") -> str:
+    """Return what the innermost braces, brackets or tag around a match hold, or ""."""
+    before, after = text[max(match.start() - _GROUP, 0) : match.start()], text[match.end() : match.end() + _GROUP]
+    found = []
+    for opening, closing in ("{}", "[]", "<>"):
+        left, right = _unmatched(before[::-1], closing, opening), _unmatched(after, opening, closing)
+        if left is not None and right is not None:
+            found.append(f"{before[len(before) - left :]} {after[:right]}")
+    return min(found, key=len, default="")
+
+
+def _unmatched(text: str, up: str, down: str) -> int | None:
+    """Return the place of the first `down` that no `up` before it goes with."""
+    depth = 0
+    for place, mark in enumerate(text):
+        depth += (mark == up) - (mark == down)
+        if depth < 0:
+            return place
+    return None

@@ -1,0 +1,64 @@
+"""A question list for Qualtrics: its "Advanced Format TXT", Survey > Tools > Import/Export > Import survey."""
+
+import html
+
+from emovid.kit.exports.export import Files, paragraphs, video_tag
+from emovid.kit.pages import Item
+from emovid.kit.read import Kit
+
+_README = """# {title}
+
+1. Upload the videos in `videos/` where a browser can reach them, without sign-in. Export with `--video-url` and that
+   address, so that `survey.txt` names it.
+2. In Qualtrics: new survey, Tools, Import/Export, Import survey, `survey.txt`. The file cannot say: that answers are
+   required (select all, Require response); the order of the videos (Survey flow: put the blocks named by codes under a
+   Randomizer that shows all {shown}; Qualtrics draws orders of its own, not those of orders.csv); that consent is
+   needed (Survey flow: a branch on it, to the end of the survey); that a video is watched to its end (a timing question
+   of {seconds:g} s before the button).
+3. Export the answers as CSV, with choice text. A video's question is named by its code.
+
+       emovid study analyze export.csv --key key.csv --map map.yaml
+"""
+
+
+def qualtrics(kit: Kit, video_url: str) -> Files:
+    """Return the question list, with the videos at an address, and how to use it."""
+    manifest = kit.manifest
+    blocks = [
+        _block("Consent", _question("consent", paragraphs(manifest.consent.text), _agreement(kit))),
+        *([_block("About you", *map(_item, manifest.demographics))] if manifest.demographics else []),
+        _block("Instructions", f"[[Question:DB]]\n[[ID:instructions]]\n{paragraphs(manifest.instructions)}\n"),
+        *(_block(code, *_video(kit, code, video_url)) for code in manifest.codes),
+        _block("End", f"[[Question:DB]]\n[[ID:end]]\n{paragraphs(manifest.thanks.text)}\n"),
+    ]
+    said = {"title": manifest.title, "shown": manifest.videos_shown, "seconds": manifest.videos[0].duration}
+    return {"survey.txt": "[[AdvancedFormat]]\n\n" + "\n".join(blocks), "README.md": _README.format(**said)}
+
+
+def _block(name: str, *questions: str) -> str:
+    return f"[[Block:{name}]]\n\n" + "\n".join(questions)
+
+
+def _question(name: str, text: str, choices: list[str], layout: str = "Vertical") -> str:
+    listed = "\n".join(map(html.escape, choices))
+    return f"[[Question:MC:SingleAnswer:{layout}]]\n[[ID:{name}]]\n{text}\n[[Choices]]\n{listed}\n"
+
+
+def _agreement(kit: Kit) -> list[str]:
+    return [kit.manifest.consent.agree, kit.manifest.consent.decline]
+
+
+def _item(item: Item) -> str:
+    if item.choices is None:
+        return f"[[Question:TE:SingleLine]]\n[[ID:{item.name}]]\n{html.escape(item.question)}\n"
+    return _question(item.name, html.escape(item.question), list(item.choices))
+
+
+def _video(kit: Kit, code: str, video_url: str) -> list[str]:
+    manifest = kit.manifest
+    text = f"{video_tag(code, video_url)}<br>{html.escape(manifest.question)}"
+    questions = [_question(code, text, [answer.text for answer in manifest.choices.labels])]
+    for rating in manifest.ratings:
+        label = f"{html.escape(rating.question)} (1: {html.escape(rating.low)}, 7: {html.escape(rating.high)})"
+        questions.append(_question(f"{code}_{rating.name}", label, list("1234567"), "Horizontal"))
+    return [*questions, "[[PageBreak]]\n"]

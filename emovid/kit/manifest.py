@@ -1,0 +1,184 @@
+"""The public manifest: all that the pages of a survey need, and nothing that tells an emotion from another."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Literal
+
+from pydantic import ValidationError
+
+from emovid.errors import InputError
+from emovid.kit.folders import KitFolder
+from emovid.kit.model import Ethics, Study
+from emovid.kit.orders import Scheme
+from emovid.kit.pages import Consent, Item, Rating, Texts, Thanks
+from emovid.scene.complaints import complaint
+from emovid.scene.fields import Keys
+from emovid.whole_files import file_digest, reason
+
+
+class Video(Keys):
+    """A stimulus, as anybody may know it."""
+
+    code: str
+    file: str
+    type: Literal["video/mp4"]
+    bytes: int
+    sha256: str
+    frames: int
+    fps: int
+    width: int
+    height: int
+    duration: float
+
+
+class Answer(Keys):
+    """A label of the data, and its text on the page."""
+
+    label: str
+    text: str
+
+
+class Choices(Keys):
+    """The answers, and whether each participant has them in an order of their own."""
+
+    order: Literal["fixed", "random"]
+    labels: tuple[Answer, ...]
+
+
+class NamedRating(Rating):
+    """A slider with its name in the data."""
+
+    name: str
+
+
+class Manifest(Keys):
+    """What manifest.json holds; the videos stand in the order of their codes."""
+
+    format: Literal["emovid kit 1"]
+    title: str
+    language: str
+    authors: tuple[str, ...]
+    question: str
+    choices: Choices
+    ratings: tuple[NamedRating, ...]
+    demographics: tuple[Item, ...]
+    consent: Consent
+    instructions: str
+    thanks: Thanks
+    texts: Texts
+    ethics: Ethics
+    order_scheme: Scheme
+    participants: int
+    videos_shown: int
+    key_commitment: str
+    videos: tuple[Video, ...]
+
+    @property
+    def codes(self) -> list[str]:
+        """The codes of the videos."""
+        return [video.code for video in self.videos]
+
+    def text(self) -> str:
+        """Return it as it is written."""
+        return json.dumps(self.model_dump(mode="json"), indent=2, ensure_ascii=False) + "\n"
+
+    def map_yaml(self, codes: Mapping[str, str] = MappingProxyType({})) -> str:
+        """Return what `study analyze --map` takes: the labels, and the texts that stand for them.
+
+        Args:
+            codes: what else a tool may write for a label.
+        """
+        labels = [json.dumps(answer.label, ensure_ascii=False) for answer in self.choices.labels]
+        meant = {answer.text: answer.label for answer in self.choices.labels} | dict(codes)
+        answers = [
+            f"  {json.dumps(k, ensure_ascii=False)}: {json.dumps(v, ensure_ascii=False)}" for k, v in meant.items()
+        ]
+        return "\n".join([f"labels: [{', '.join(labels)}]", "answers:", *answers, ""])
+
+
+def manifest_of(
+    study: Study, folder: KitFolder, codes: Sequence[str], participants: int, shown: int, commitment: str
+) -> Manifest:
+    """Return the manifest of a kit whose videos are there.
+
+    Args:
+        study: what is asked.
+        folder: of the kit.
+        codes: of the videos, sorted.
+        participants: with an order.
+        shown: videos to each of them.
+        commitment: to the key, see `secret.commitment`.
+    """
+    labels = tuple(Answer(label=label, text=text) for label, text in study.answers.items())
+    return Manifest(
+        format="emovid kit 1",
+        title=study.title,
+        language=study.language,
+        authors=study.authors,
+        question=study.question,
+        choices=Choices(order=study.choices, labels=labels),
+        ratings=tuple(NamedRating(name=name, **dict(rating)) for name, rating in study.ratings.asked.items()),
+        demographics=study.demographics,
+        consent=study.consent,
+        instructions=study.instructions,
+        thanks=study.thanks,
+        texts=study.texts,
+        ethics=study.ethics,
+        order_scheme=study.orders.scheme,
+        participants=participants,
+        videos_shown=shown,
+        key_commitment=commitment,
+        videos=tuple(_video(study, folder.video(code)) for code in codes),
+    )
+
+
+def read_manifest(path: Path) -> tuple[Manifest, list[str]]:
+    """Return a manifest, and the keys in it that none has.
+
+    Raises:
+        InputError: if there is none, or if one of its keys is missing or has another kind of value.
+    """
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        message = f"{path}: {reason(error)}; expected the manifest of a finished kit: run emovid study build again"
+        raise InputError(message) from None
+    except ValueError:
+        raise InputError(f"{path}: not JSON; expected the manifest of a kit") from None
+    if not isinstance(data, dict):
+        raise InputError(f"{path}: not the manifest of a kit")
+    unknown: list[str] = []
+    while True:
+        try:
+            return Manifest.model_validate_json(json.dumps(data)), unknown
+        except ValidationError as error:
+            extra = [item["loc"] for item in error.errors() if item["type"] == "extra_forbidden"]
+            if not extra:
+                raise InputError(str(complaint(error, {(): str(path)}, Manifest))) from None
+            for location in extra:
+                unknown.append(".".join(map(str, location)))
+                _without(data, location)
+
+
+def _without(data: Any, location: Sequence[int | str]) -> None:
+    for part in location[:-1]:
+        data = data[part]
+    del data[location[-1]]
+
+
+def _video(study: Study, video: Path) -> Video:
+    width, height = map(int, study.video.size.split("x"))
+    return Video(
+        code=video.stem,
+        file=f"videos/{video.name}",
+        type="video/mp4",
+        bytes=video.stat().st_size,
+        sha256=file_digest(video),
+        frames=study.video.frames,
+        fps=study.video.fps,
+        width=width,
+        height=height,
+        duration=study.video.frames / study.video.fps,
+    )

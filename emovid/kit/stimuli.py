@@ -1,0 +1,151 @@
+"""Blinding: which code stands for which video, how its run differs from the public scene's, and its making."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import pi
+from pathlib import Path
+from typing import Any
+
+from emovid.errors import SceneError
+from emovid.kit.finished import reencode
+from emovid.kit.load import Exemplar, LoadedStudy
+from emovid.kit.model import Look, Vary
+from emovid.kit.secret import draw, flip, share, video_codes
+from emovid.kit.symmetry import can_half_turn, can_mirror, can_turn, mirrored, turned
+from emovid.scene.behaviour import ContourKeys
+from emovid.scene.model import Scene
+from emovid.scene.start import AtRandom
+from emovid.scene.video import OwnColours
+from emovid.swarm.simulate import check_start, simulate
+from emovid.swarm.trajectory import Trajectory
+from emovid.video.render import render_video
+
+_ATTEMPTS = 50  # seeds tried for a random start that finds room
+
+
+@dataclass(frozen=True)
+class Stimulus:
+    """A video under its code.
+
+    Attributes:
+        code: all that is public.
+        exemplar: what it shows.
+        seed: of its run; None where nothing is drawn.
+        mirror: whether left and right are exchanged.
+        half_turn: whether it is upside down.
+        turn: of its contour about the centre [rad].
+    """
+
+    code: str
+    exemplar: Exemplar
+    seed: int | None = None
+    mirror: bool = False
+    half_turn: bool = False
+    turn: float = 0.0
+
+    def facts(self) -> dict[str, Any]:
+        """Return what the private list of stimuli says."""
+        item = self.exemplar
+        facts = {"video_code": self.code, "true_emotion": item.emotion, "source": item.source, "exemplar": item.number}
+        facts |= {"seed": self.seed, "mirror": self.mirror, "half_turn": self.half_turn, "turn": self.turn}
+        return facts | dict(item.factors)
+
+
+def blinded(loaded: LoadedStudy, seed: int) -> list[Stimulus]:
+    """Return the stimuli of a study in the order of their codes, in which they are made and listed everywhere.
+
+    Raises:
+        SceneError: if a random start finds no room, whatever its seed.
+    """
+    codes = video_codes(seed, len(loaded.exemplars))
+    pairs = zip(codes, loaded.exemplars, strict=True)
+    return sorted((_varied(code, item, loaded.study.vary, seed) for code, item in pairs), key=lambda item: item.code)
+
+
+def make(stimulus: Stimulus, look: Look, target: Path, seed: int, on_frame: Callable[[int], None]) -> None:
+    """Write the video of a stimulus.
+
+    Raises:
+        RenderError: if it cannot be made.
+    """
+    item = stimulus.exemplar
+    if item.scene is None:
+        assert item.video is not None  # a stimulus is a scene or a video
+        reencode(item.video, target, look, seed)
+    else:
+        render_video(run_of(stimulus, seed), target, on_frame)
+
+
+def run_of(stimulus: Stimulus, seed: int) -> Trajectory:
+    """Return the run that a stimulus shows."""
+    scene = stimulus.exemplar.scene
+    assert scene is not None
+    run = simulate(tinted(_reseeded(scene, stimulus.seed), seed))
+    if stimulus.turn and can_turn(run) and isinstance(scene.behaviour, ContourKeys):
+        run = turned(run, stimulus.turn, (scene.behaviour.centre.x, scene.behaviour.centre.y))
+    if stimulus.half_turn:
+        run = turned(run, pi, (0.0, 0.0))
+    return mirrored(run) if stimulus.mirror else run
+
+
+def tinted(scene: Scene, seed: int) -> Scene:
+    """Return the scene with every colour's channels one level up, one down, or as they were.
+
+    It is the same for all videos of a kit, nobody sees it, and it makes their bytes those of no other kit.
+    """
+    colours = {
+        name: _tint(value, seed, name) if isinstance(value, str) else tuple(_tints(value, seed, name))
+        for name, value in scene.video.palette
+    }
+    video = scene.video.model_copy(update={"colours": OwnColours.model_validate(colours)})
+    return scene.model_copy(update={"video": video})
+
+
+def _tints(colours: Sequence[str], seed: int, name: str) -> list[str]:
+    return [_tint(colour, seed, name, i) for i, colour in enumerate(colours)]
+
+
+def _tint(colour: str, seed: int, *name: object) -> str:
+    levels = [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
+    moved = [level + draw(seed, "tint", *name, i) % 3 - 1 for i, level in enumerate(levels)]
+    return "#" + "".join(f"{min(max(level, 0), 255):02x}" for level in moved)
+
+
+def _varied(code: str, item: Exemplar, vary: Vary, seed: int) -> Stimulus:
+    """Return the stimulus of an exemplar; of two that follow each other, one is the other's mirror image in kind."""
+    scene = item.scene
+    if scene is None:
+        return Stimulus(code, item)
+    first = flip(seed, "mirror", item.entry, *sorted(item.factors.items()))
+    return Stimulus(
+        code,
+        item,
+        seed=_run_seed(scene, code, seed) if vary.seed and isinstance(scene.start, AtRandom) else None,
+        mirror=vary.mirror and can_mirror(scene) and (item.number % 2 == 1) != first,
+        half_turn=vary.half_turn and can_half_turn(scene) and flip(seed, "half turn", code),
+        turn=_turn(scene.robots, code, seed) if vary.turn and isinstance(scene.behaviour, ContourKeys) else 0.0,
+    )
+
+
+def _turn(robots: int, code: str, seed: int) -> float:
+    """Return an angle [rad] that puts every robot well between two places where robots of the public scene are."""
+    places = draw(seed, "place", code) % robots
+    return 2 * pi * (places + 0.25 + share(seed, "turn", code) / 2) / robots
+
+
+def _run_seed(scene: Scene, code: str, seed: int) -> int:
+    """Return a seed for the run with which its random start finds room."""
+    for attempt in range(_ATTEMPTS):
+        found = draw(seed, "run", code, attempt) % 2**63
+        try:
+            check_start(_reseeded(scene, found))
+        except SceneError:
+            if attempt + 1 == _ATTEMPTS:
+                raise
+        else:
+            return found
+    raise AssertionError("unreachable")
+
+
+def _reseeded(scene: Scene, seed: int | None) -> Scene:
+    return scene if seed is None else scene.model_copy(update={"seed": seed})

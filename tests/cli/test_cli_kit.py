@@ -1,0 +1,102 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from emovid.cli.main import main
+
+ROOT = Path(__file__).parents[2]
+EXAMPLE = (ROOT / "studies" / "example" / "study.yaml").read_text()
+SMALL = (
+    EXAMPLE.replace("size: 1280x720", "size: 160x90")
+    .replace("fps: 30", "fps: 5")
+    .replace("duration: 15", "duration: 1")
+)
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path, monkeypatch) -> None:
+    """Work in a folder with a small version of the example study."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "study.yaml").write_text(SMALL)
+
+
+@pytest.fixture
+def kit(capsys) -> Path:
+    """Build a kit of it."""
+    assert main(["study", "build", ".", "--seed", "7", "--participants", "12", "--quiet"]) == 0
+    assert capsys.readouterr() == ("", "")
+    return Path("kit")
+
+
+def test_build_says_what_it_makes_and_warns_of_a_seed_that_can_be_guessed(capsys) -> None:
+    assert main(["study", "build", "study.yaml", "-o", "one", "--seed", "7"]) == 0
+    out, err = capsys.readouterr()
+    lines = err.splitlines()
+    assert out == ""
+    assert [line.split()[-1] for line in lines[:6]] == 6 * ["made"]
+    assert lines[5].startswith("[6/6] one/public/videos/")
+    assert lines[6] == "one: 6 videos, orders for 45 participants"
+    assert lines[8] == "this seed can be guessed, and the key with it: for a real study leave --seed out"
+    assert main(["study", "build", "study.yaml", "-o", "one"]) == 0
+    assert capsys.readouterr().err.count("up to date") == 6
+    assert main(["study", "build", "study.yaml", "-o", "two"]) == 0
+    assert "can be guessed" not in capsys.readouterr().err
+
+
+def test_the_audit_of_a_fresh_kit_prints_its_tables_and_is_content(kit, capsys) -> None:
+    assert main(["study", "audit", str(kit)]) == 0
+    out = capsys.readouterr().out
+    assert out.count("none") == 13
+    assert "Orders: each video 2 to 2 times in each place, 2 to 2 times right after each other one" in out
+    assert "the bit rate inside follows the motion" in out
+
+
+def test_a_finding_is_a_line_and_exit_code_1(kit, capsys) -> None:
+    (kit / "public" / "anger.txt").write_text("a note")
+    assert main(["study", "audit", str(kit)]) == 1
+    out, err = capsys.readouterr()
+    assert "files: public/anger.txt: not of the kit\n" in out
+    assert "names: public/anger.txt: names anger\n" in out
+    assert err == ""
+    assert main(["study", "audit", str(kit), "--json"]) == 1
+    said = json.loads(capsys.readouterr().out)
+    assert {"check": "names", "where": "public/anger.txt", "message": "names anger"} in said["findings"]
+    assert said["orders"]["places_most"] == 2
+
+
+def test_the_audit_reports_what_dropouts_left(kit, capsys) -> None:
+    lines = [line.split(",") for line in (kit / "orders.csv").read_text().splitlines()[1:-3]]
+    rows = [f"{who},{code},{place},fear" for who, place, code in lines]
+    Path("answers.csv").write_text("\n".join(["participant,video,position,response", *rows, ""]))
+    assert main(["study", "audit", str(kit), "--responses", "answers.csv"]) == 0
+    assert "Answers: 12 participants, 11 with all videos, 69 answers" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("tool", ["jspsych", "psychopy", "qualtrics", "limesurvey", "psych-ds", "prereg", "checklist"])
+def test_every_tool_gets_its_files(kit, tool, capsys) -> None:
+    assert main(["study", "export", str(kit), "--to", tool]) == 0
+    assert capsys.readouterr().err.startswith(f"kit/exports/{tool}: ")
+    assert main(["study", "export", str(kit), "--to", tool, "-o", "out", "-q"]) == 0
+    assert capsys.readouterr().err == ""
+    made, there = (sorted(p.name for p in Path(f).rglob("*")) for f in ("out", f"kit/exports/{tool}"))
+    assert made == there
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["build", "nowhere"], "nowhere: cannot be read: no such file or directory"),
+        (["build", ".", "--seed", "8"], "kit: is a kit of another seed; expected that one, another folder, or --force"),
+        (["audit", "nowhere"], "nowhere: no such folder; expected a kit"),
+        (["audit", "kit", "--responses", "none.csv"], "none.csv: cannot be read: no such file or directory"),
+        (["export", "kit", "--to", "jspych"], "--to jspych: expected one of jspsych, psychopy, qualtrics, limesurvey, "
+         "psych-ds, prereg, checklist (did you mean jspsych?)"),
+        (["export", "kit", "--to", "jspsych", "-o", "study.yaml"], "-o study.yaml: is a file; expected a folder"),
+        (["export", "kit", "--to", "prereg", "--responses", "a.csv"], "--responses: no answers go into prereg; "
+         "expected --to psych-ds"),
+    ],
+)  # fmt: skip
+def test_a_mistake_is_one_line_and_exit_code_2(kit, arguments, message, capsys) -> None:
+    assert main(["study", *arguments]) == 2
+    assert capsys.readouterr() == ("", message + "\n")

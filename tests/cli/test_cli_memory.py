@@ -1,0 +1,26 @@
+"""Frames pass through: memory does not grow with the length of a video."""
+
+import subprocess
+import sys
+
+PEAK = """
+import resource, sys
+from emovid.cli.main import main
+assert main(sys.argv[1:]) == 0
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+"""
+
+
+def peak(target, seconds: int) -> float:
+    """Return the peak memory of rendering so many seconds of four robots, at a megabyte a frame [MB]."""
+    scene = ["--set", f"duration={seconds}", "--set", "robots=4", "--set", "control_period=0.1"]
+    command = ["render", "sadness", *scene, "--size", "640x360", "--fps", "4", "-o", str(target), "-q"]
+    done = subprocess.run([sys.executable, "-c", PEAK, *command], capture_output=True, text=True, check=True)
+    return int(done.stdout) / (1024 if sys.platform == "linux" else 1024**2)
+
+
+def test_twelve_times_the_frames_take_no_more_memory(tmp_path) -> None:
+    short, long = (peak(tmp_path / f"{seconds}.mp4", seconds) for seconds in (10, 120))
+    frames = 440 * 640 * 360 * 4 / 1e6  # MB, of those that the long one has more
+    assert frames > 400
+    assert long - short < 20

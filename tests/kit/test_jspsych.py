@@ -1,0 +1,182 @@
+"""The page for jsPsych, run in a real browser from consent to download. Needs npm, its registry, and Chromium."""
+
+import csv
+import json
+import shutil
+import subprocess
+import tarfile
+import threading
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+
+import pytest
+from tiny import LABELS, STUDY, make_kit
+
+from emovid.cli.main import main
+from emovid.kit.audit import audit
+from emovid.kit.export import export
+from emovid.kit.exports.jspsych import RELEASE
+from emovid.kit.read import Kit, open_kit
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+CONFIDENCE = "ratings: {confidence: {question: How sure are you, low: not at all, high: completely, steps: 7}}\n"
+
+
+@pytest.fixture(scope="module")
+def jspsych_files(request, tmp_path_factory) -> Path:
+    """Get the release that the page names, once for all runs of the tests."""
+    npm = shutil.which("npm")
+    if npm is None:
+        pytest.skip("no npm: jsPsych cannot be got, and its page was NOT TRIED")
+    kept = request.config.cache.mkdir("jspsych") / "-".join(name.rpartition("@")[2] for name in RELEASE)
+    if kept.is_dir():
+        return kept
+    folder = tmp_path_factory.mktemp("npm")
+    done = subprocess.run([npm, "pack", "--silent", *RELEASE], cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode:
+        pytest.skip(f"npm cannot get jsPsych, and its page was NOT TRIED: {done.stderr[-200:]}")
+    made = folder / "files"
+    made.mkdir()
+    for package, files in RELEASE.items():
+        name, _, version = package.rpartition("@")
+        with tarfile.open(folder / f"{name.removeprefix('@').replace('/', '-')}-{version}.tgz") as archive:
+            for source, target in files.items():
+                member = archive.extractfile(f"package/{source}")
+                assert member is not None
+                (made / target).write_bytes(member.read())
+    shutil.copytree(made, kept)
+    return kept
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """Start the machine's Chromium."""
+    path = next((found for name in BROWSERS if (found := shutil.which(name))), None)
+    if path is None:
+        pytest.skip("no Chromium: the jsPsych page was NOT TRIED")
+    sync_api = pytest.importorskip("playwright.sync_api", reason="no playwright: the jsPsych page was NOT TRIED")
+    with sync_api.sync_playwright() as playwright:
+        running = playwright.chromium.launch(executable_path=path, args=["--no-sandbox", "--disable-gpu"])
+        yield running
+        running.close()
+
+
+@pytest.fixture(scope="module")
+def exported(tmp_path_factory) -> Kit:
+    """Export a kit whose answers come in each participant's own order, with a slider beside them."""
+    folder = tmp_path_factory.mktemp("jspsych")
+    text = STUDY.replace("duration: 1}", "duration: 0.6}") + "choices: random\n" + CONFIDENCE
+    make_kit(folder, text)
+    kit = open_kit(folder / "kit")
+    export(kit, "jspsych")
+    return kit
+
+
+@pytest.fixture(scope="module")
+def address(exported, jspsych_files):
+    """Serve the export with jsPsych beside it."""
+    folder = exported.folder.exports / "jspsych"
+    shutil.copytree(jspsych_files, folder / "jspsych")
+
+    class Handler(SimpleHTTPRequestHandler):
+        def __init__(self, *arguments, **options) -> None:
+            super().__init__(*arguments, directory=str(folder), **options)
+
+        def log_message(self, *arguments) -> None:
+            pass
+
+    with ThreadingHTTPServer(("127.0.0.1", 0), Handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}/index.html"
+        server.shutdown()
+
+
+@pytest.fixture
+def page(browser):
+    """Open a page that may have no error."""
+    opened = browser.new_page(viewport={"width": 390, "height": 844})
+    errors = []
+    opened.on("pageerror", lambda error: errors.append(str(error)))
+    opened.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
+    yield opened
+    opened.close()
+    assert errors == []
+
+
+def begin(page, address: str, participant: str) -> None:
+    page.goto(f"{address}?participant={participant}")
+    page.get_by_role("button", name="I agree and want to take part").click()
+    page.get_by_label("Another gender").check()
+    page.get_by_role("button", name="Continue").click()
+    page.get_by_role("button", name="Continue").click()
+
+
+def test_the_procedure_from_consent_to_analysis(exported, address, page, tmp_path, monkeypatch, capsys) -> None:
+    order, key = exported.orders["P003"], exported.key
+    given = {code: key[code] for code in order} | {order[0]: "fear", order[3]: "anger"}
+    begin(page, address, "P003")
+    for place, code in enumerate(order, start=1):
+        shown = page.locator("input[name=response]").evaluate_all("inputs => inputs.map(input => input.value)")
+        assert tuple(shown) == exported.choices["P003"]
+        assert page.locator("input[name=response]").first.is_disabled()
+        page.get_by_role("button", name="Play the video").click()
+        page.get_by_role("button", name="Watch again").wait_for()
+        if place == 2:
+            page.get_by_role("button", name="Watch again").click()
+            page.get_by_role("button", name="Watch again").wait_for()
+        submit = page.get_by_role("button", name="Submit answer")
+        page.get_by_label(given[code].title(), exact=True).check()
+        assert submit.is_disabled()  # the slider is where nobody put it
+        page.get_by_label("How sure are you").press("ArrowRight")
+        assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+        if place < 6:
+            submit.click()
+    with page.expect_download() as download:
+        submit.click()
+    assert download.value.suggested_filename == "P003.csv"
+    download.value.save_as(tmp_path / "P003.csv")
+    page.get_by_text("Thank you.").wait_for()
+
+    with (tmp_path / "P003.csv").open() as file:
+        trials = [row for row in csv.DictReader(file) if row["video_code"]]
+    assert [(row["video_code"], row["position"], row["response"], row["plays"]) for row in trials] == [
+        (code, str(place), given[code], "2" if place == 2 else "1") for place, code in enumerate(order, start=1)
+    ]
+    assert {row["confidence"] for row in trials} == {"5"}
+    assert {row["choices"] for row in trials} == {"|".join(exported.choices["P003"])}
+
+    monkeypatch.chdir(tmp_path)
+    kit = exported.folder
+    read = ["study", "analyze", "P003.csv", "--key", str(kit.key), "--map", str(kit.map), "--quiet"]
+    assert main(read) == 0, capsys.readouterr().err
+    results = json.loads((tmp_path / "results" / "results.json").read_text())
+    assert results["counts"] == [
+        [sum(given[code] == label and key[code] == emotion for code in order) for emotion in LABELS] for label in LABELS
+    ]
+    assert set(results["groups"]) == {"gender"}
+    with (tmp_path / "results" / "responses_tidy.csv").open() as file:
+        tidy = {row["video"]: (row["position"], row["perceived"]) for row in csv.DictReader(file)}
+    assert tidy == {code: (str(place), given[code]) for place, code in enumerate(order, start=1)}
+
+
+def test_a_video_cannot_be_skipped(address, page) -> None:
+    begin(page, address, "P001")
+    page.get_by_role("button", name="Play the video").click()
+    page.evaluate("document.querySelector('video').currentTime = 0.59")
+    page.evaluate("document.querySelector('video').playbackRate = 16")
+    page.get_by_role("button", name="Watch again").wait_for()
+    assert page.evaluate("document.querySelector('video').playbackRate") == 1
+
+
+def test_who_does_not_agree_sees_no_video_and_leaves_no_data(address, page) -> None:
+    downloads = []
+    page.on("download", lambda download: downloads.append(download))  # noqa: PLW0108 - playwright cannot wrap append
+    page.goto(address)
+    page.get_by_role("button", name="I do not agree").click()
+    page.get_by_text("Nothing was recorded").wait_for()
+    assert page.locator("video").count() == 0
+    assert downloads == []
+
+
+def test_the_page_leaks_nothing(exported) -> None:
+    assert audit(exported.folder.path).findings == ()

@@ -1,0 +1,135 @@
+import re
+from pathlib import Path
+
+import pytest
+from pydantic import BaseModel
+from tiny import STUDY, write_study
+
+from emovid.errors import EmovidError
+from emovid.kit.load import load_study
+from emovid.kit.model import Study
+from emovid.yaml_text import read_yaml
+
+ROOT = Path(__file__).parents[2]
+EXAMPLE = ROOT / "studies" / "example"
+BROKEN = sorted((ROOT / "studies" / "errors").glob("*.yaml"))
+
+
+def changed(*pairs: tuple[str, str]) -> str:
+    text = STUDY
+    for old, new in pairs:
+        assert old in text
+        text = text.replace(old, new)
+    return text
+
+
+def test_there_are_broken_studies() -> None:
+    assert len(BROKEN) >= 45
+
+
+@pytest.mark.parametrize("path", BROKEN, ids=lambda path: path.stem)
+def test_a_broken_study_is_one_line_with_the_place(path, monkeypatch) -> None:
+    monkeypatch.chdir(ROOT)
+    expected = path.read_text().splitlines()[0].removeprefix("# expected: ")
+    assert expected.startswith(f"studies/errors/{path.name}:")
+    with pytest.raises(EmovidError) as caught:
+        load_study(path.relative_to(ROOT))
+    assert str(caught.value) == expected
+    assert caught.value.exit_code == 2
+
+
+def test_the_example_is_the_paper_s_procedure() -> None:
+    loaded = load_study(EXAMPLE)
+    study = loaded.study
+    assert [item.emotion for item in loaded.exemplars] == list(study.labels)
+    assert sorted(study.labels) == ["anger", "disgust", "fear", "happiness", "sadness", "surprise"]
+    assert (study.video.size, study.video.fps, study.video.duration) == ("1280x720", 30, 15)
+    assert "best described the movement of the robots in the video" in study.question
+    items = {item.name: item for item in study.demographics}
+    assert set(items) == {"age", "gender", "robotics_background"}
+    assert set(items["age"].choices) >= {"18-24", "25-34", "35-44", "45-54"}
+    assert len(items["gender"].choices) > 3
+    assert "Prefer not to say" in items["gender"].choices
+    assert not any(label in study.title.casefold() for label in study.labels)
+
+
+def keys_of(model: type[BaseModel], at: str = "") -> set[str]:
+    """Return the dotted keys of a model that is not repeated."""
+    found = set()
+    for name, field in model.model_fields.items():
+        found.add(at + name)
+        if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
+            found |= keys_of(field.annotation, f"{at}{name}.")
+    return found
+
+
+def test_every_key_is_in_the_example_with_a_comment() -> None:
+    text = (EXAMPLE / "study.yaml").read_text()
+    _, places = read_yaml(text, "study.yaml")
+    given = {".".join(map(str, path)) for path in places}
+    assert keys_of(Study) <= given
+    repeated = {"stimuli.0.scene", "demographics.0.name", "demographics.0.question", "demographics.0.choices"}
+    assert repeated | {"demographics.0.required"} <= given
+    for key in ("video:", "emotion:", "set:", "steps:", "choices: null"):  # of what is there in other forms
+        assert re.search(rf"^ *# .*{key}", text, re.MULTILINE)
+
+
+def test_values_left_out_are_those_of_the_example() -> None:
+    # Of texts that the example repeats so that they can be translated, both must say the same.
+    study = load_study(EXAMPLE).study
+    for group in ("texts", "vary", "video", "orders", "plan", "ratings", "ethics"):
+        assert getattr(study, group) == type(getattr(study, group))()
+
+
+def test_a_folder_and_its_file_are_the_same_study(tmp_path) -> None:
+    folder = write_study(tmp_path)
+    assert load_study(folder).digest() == load_study(folder / "study.yaml").digest()
+
+
+def test_the_digest_follows_text_scenes_and_settings_but_not_participants_and_comments(tmp_path) -> None:
+    def digest(name: str, *pairs: tuple[str, str]) -> str:
+        return load_study(write_study(tmp_path / name, changed(*pairs))).digest()
+
+    first = digest("a")
+    assert digest("b", ("title:", "# a comment\nparticipants: 9\ntitle:")) == first
+    assert digest("c", ("Thank you.", "Thanks.")) != first
+    assert digest("d", ("robots: 6", "robots: 7")) != first
+    assert digest("e", ("scene: anger", "scene: fear\n    emotion: anger")) != first
+
+
+def test_a_scene_beside_the_study_is_found_from_it(tmp_path, monkeypatch) -> None:
+    scene = (ROOT / "configs" / "fear.yaml").read_text()
+    folder = write_study(tmp_path / "study", changed(("scene: fear", "scene: scenes/mine.yaml")))
+    (folder / "scenes").mkdir()
+    (folder / "scenes" / "mine.yaml").write_text(scene)
+    monkeypatch.chdir(tmp_path)
+    (item,) = (item for item in load_study(Path("study")).exemplars if item.source == "mine")
+    assert item.emotion == "fear"
+    assert item.scene.robots == 6
+
+
+def test_exemplars_and_factors_multiply_the_scenes(tmp_path) -> None:
+    factors = "factors:\n  swarm:\n    few: {robots: 4}\n    many: {robots: 8}\nexemplars: 3\nset: {}"
+    loaded = load_study(write_study(tmp_path, changed(("set: {robots: 6}", factors))))
+    assert len(loaded.exemplars) == 6 * 2 * 3
+    fear = [item for item in loaded.exemplars if item.emotion == "fear"]
+    assert [(item.factors["swarm"], item.scene.robots, item.number) for item in fear] == [
+        *(("few", 4, i) for i in range(3)),
+        *(("many", 8, i) for i in range(3)),
+    ]
+
+
+def test_what_a_stimulus_sets_goes_before_what_a_level_and_the_study_set(tmp_path) -> None:
+    factors = "factors:\n  swarm:\n    few: {robots: 4, seed: 5}\n    many: {robots: 8}\nset: {robots: 6, seed: 6}"
+    text = changed(("set: {robots: 6}", factors), ("scene: fear", "scene: fear\n    set: {robots: 3}"))
+    items = {(i.emotion, i.factors["swarm"]): i.scene for i in load_study(write_study(tmp_path, text)).exemplars}
+    assert (items["fear", "few"].robots, items["anger", "few"].robots) == (3, 4)
+    assert (items["anger", "few"].seed, items["anger", "many"].seed) == (5, 6)
+
+
+def test_a_file_that_is_no_text_is_refused(tmp_path) -> None:
+    (tmp_path / "study.yaml").write_bytes(b"title: \xff\xfe")
+    with pytest.raises(EmovidError, match=r"study.yaml:1: not UTF-8 text"):
+        load_study(tmp_path)
+    with pytest.raises(EmovidError, match="cannot be read: no such file"):
+        load_study(tmp_path / "nowhere")
