@@ -3,7 +3,7 @@ PYTHON ?= python3
 JOBS ?= $(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
 BIN := .venv/bin
 
-.PHONY: all-videos figures study test lint format bench picture sensitivity setup clean
+.PHONY: all-videos figures kit study test lint format bench picture sensitivity setup clean
 
 all-videos: .venv/installed
 	$(BIN)/emovid render --all --jobs $(JOBS) -o videos
@@ -22,6 +22,10 @@ format: .venv/dev-installed
 
 study: .venv/installed
 	$(BIN)/emovid study analyze studies/santos-egerstedt/responses.csv -o results
+
+kit: .venv/installed
+	$(BIN)/emovid study build studies/example -o kit
+	$(BIN)/emovid study audit kit
 
 bench: .venv/dev-installed
 	$(BIN)/python benchmarks/startup.py

@@ -2,13 +2,14 @@
 
 import json
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from emovid.cli.options import Force, Json, Quiet
+from emovid.cli.progress import counting
 from emovid.errors import InputError, nearest
 
 if TYPE_CHECKING:
@@ -45,8 +46,10 @@ def build(
     from emovid.kit.secret import GUESSABLE
 
     loaded = load_study(study)
-    report = _Lines(quiet)
-    made = make(loaded, output, participants or loaded.study.participants, seed, report, force=force)
+    orders = participants or loaded.study.participants
+    with counting("frames", quiet=quiet) as told:
+        report = _Report(len(loaded.exemplars), loaded.study.video.frames, told, quiet)
+        made = make(loaded, output, orders, seed, report, force=force)
     if quiet:
         return
     print(f"{output}: {len(made.codes)} videos, orders for {made.participants} participants", file=sys.stderr)
@@ -56,16 +59,26 @@ def build(
         print(warning, file=sys.stderr)
 
 
-class _Lines:
-    """Says when a video is done."""
+class _Report:
+    """Says when a video is done, and how many frames of all are.
 
-    def __init__(self, quiet: bool) -> None:
-        self.quiet = quiet
+    Args:
+        videos: to be made.
+        frames: of each.
+        told: hears of frames; None where nobody watches.
+        quiet: whether to say nothing.
+    """
 
-    def advanced(self, video: Path, frames: int) -> None:
-        pass
+    def __init__(self, videos: int, frames: int, told: Callable[[int, int], None] | None, quiet: bool) -> None:
+        self.done, self.frames, self.total = 0, frames, videos * frames
+        self.told, self.quiet = told, quiet
+
+    def advanced(self, frames: int) -> None:
+        if self.told:
+            self.told(self.done + frames, self.total)
 
     def finished(self, video: Path, number: int, count: int, *, made: bool) -> None:
+        self.done = number * self.frames
         if not self.quiet:
             print(f"[{number}/{count}] {video}: {'made' if made else 'up to date'}", file=sys.stderr, flush=True)
 

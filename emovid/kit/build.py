@@ -3,7 +3,6 @@
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -25,8 +24,8 @@ _OWNER_ONLY = 0o600
 class Reporter(Protocol):
     """Is told how the making of videos goes."""
 
-    def advanced(self, video: Path, frames: int) -> None:
-        """A video has so many frames done."""
+    def advanced(self, frames: int) -> None:
+        """The video under way has so many frames done."""
 
     def finished(self, video: Path, number: int, count: int, *, made: bool) -> None:
         """The number-th of so many videos is there: made now, or before."""
@@ -180,7 +179,7 @@ def _make_videos(kit: KitFolder, study: Study, stimuli: Sequence[Stimulus], seed
         made = not _is_whole(target, known.get(item.code), study.video.frames)
         if made:
             kit.manifest.unlink(missing_ok=True)
-            make(item, study.video, target, seed, partial(report.advanced, target))
+            make(item, study.video, target, seed, report.advanced)
         report.finished(target, number, len(stimuli), made=made)
     pad_alike([kit.video(item.code) for item in stimuli])
 

@@ -285,6 +285,13 @@ def test_the_public_scenes_own_runs_as_stimuli(tmp_path) -> None:
         assert f"{a_video(kit, emotion).name}: shows the run of the public scene {emotion}" in found.text
 
 
+def test_a_study_that_lets_nothing_vary_shows_the_public_scenes(tmp_path) -> None:
+    text = STUDY.replace("set: {robots: 6}\n", "vary: {seed: false, turn: false, mirror: false, half_turn: false}\n")
+    make_kit(tmp_path, text)
+    found = audit(tmp_path / "kit").findings
+    assert [finding.check for finding in found] == 6 * ["scenes"]
+
+
 # --- key and orders --------------------------------------------------------------------------------------------------
 
 

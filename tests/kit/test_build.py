@@ -258,7 +258,7 @@ class Interrupted(Exception):  # noqa: N818 - stands for a signal
 class Interrupting(Silent):
     """Ends the third video in its middle."""
 
-    def advanced(self, video: Path, frames: int) -> None:
+    def advanced(self, frames: int) -> None:
         if len(self.made) == 2 and frames == 5:
             raise Interrupted
 

@@ -36,7 +36,7 @@ class Silent:
         self.made: list[str] = []
         self.kept: list[str] = []
 
-    def advanced(self, video: Path, frames: int) -> None:
+    def advanced(self, frames: int) -> None:
         pass
 
     def finished(self, video: Path, number: int, count: int, *, made: bool) -> None:

@@ -1,7 +1,7 @@
 """The orders: whether everybody sees what they should, and how well it is balanced."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from emovid.kit.checks.finding import Finding
@@ -40,7 +40,7 @@ def check_orders(kit: Kit) -> Iterator[Finding]:
                 yield Finding("orders", _FILE, message)
 
 
-def sets_of(orders: "Sequence[Order] | Any") -> Mapping[Order, list[Order]]:
+def sets_of(orders: Iterable[Order]) -> dict[Order, list[Order]]:
     """Return the orders by the set of videos that they show."""
     found: dict[Order, list[Order]] = {}
     for order in orders:
@@ -83,8 +83,8 @@ def _summary(orders: Sequence[Sequence[str]], kit: Kit) -> dict[str, Any]:
         "videos": list(balance.videos),
         "places": balance.places.tolist(),
         "neighbours": balance.pairs.tolist(),
-        "places_least": int(balance.places.min(initial=0 if not balance.places.size else 10**9)),
-        "places_most": int(balance.places.max(initial=0)),
+        "places_least": int(balance.places.min()),
+        "places_most": int(balance.places.max()),
         "neighbours_least": min(off, default=0),
         "neighbours_most": max(off, default=0),
     }

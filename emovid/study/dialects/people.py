@@ -37,7 +37,8 @@ _TRAIT_WORDS = "gender sex age background robotics experience education country 
 _PRIVATE_WORDS = (
     "ip email mail name phone latitude longitude location address date time timestamp url browser agent version seed "
     "token referrer referer user key status progress finished duration collector started ended created modified "
-    "prolific pid worker assignment index file hash comment comments seconds rt plays choices confidence valence arousal"
+    "prolific pid worker assignment index file hash comment comments seconds rt "
+    "plays choices confidence valence arousal"
 )
 _TRAITS, _PRIVATE = frozenset(_TRAIT_WORDS.split()), frozenset(_PRIVATE_WORDS.split())
 _MOST_LEVELS = 12
