@@ -63,5 +63,6 @@ def _to_centroids(points: Array, corners: Array, density: Density) -> tuple[Arra
     """Return the mass of each robot's cell (N,) and the vector from the robot to its centroid (N, 2) [m]."""
     fans = voronoi_fans(points, corners)
     mass, moment = mass_and_moment(fans, density)
-    to_centroid = moment / np.where(mass > 0, mass, np.inf)
+    has_mass = mass > np.finfo(float).tiny  # below, digits are lost
+    to_centroid = moment / np.where(has_mass, mass, np.inf)
     return mass[fans.cell_of], np.stack([to_centroid.real, to_centroid.imag], axis=-1)[fans.cell_of]

@@ -17,9 +17,10 @@ from emovid.swarm.densities import Density
 from emovid.swarm.voronoi import Fans
 
 # Nodes per direction, and the largest change of a density over which they give a triangle's centroid to a millionth of
-# the scale: the worst of 75 000 random triangles under peaks, ridges and sums of ridges, up to 35 standard deviations
-# out. In the valley of such a sum its terms change more than it does, which costs a peak alone an order or two.
-_NODES, _CHANGE = (2, 3, 5, 8, 12, 16, 20), np.array([0.04, 0.1, 0.9, 3.4, 10.0, 40.0, 75.0])
+# the scale and its mass to a millionth: the worst of 75 000 random triangles under peaks, ridges and sums of ridges, up
+# to 35 standard deviations out. In a valley of such a sum its terms change by more than twice as much as it does, and
+# cells are large then: without these, orders would be lower by one or two.
+_NODES, _CHANGE = (2, 3, 5, 8, 12, 16, 20), np.array([0.02, 0.1, 0.8, 2.9, 10.0, 30.0, 50.0])
 _LEAST = np.finfo(float).tiny  # densities below have lost digits
 _BLOCK = 1 << 14  # nodes at a time: what a cache holds
 

@@ -108,9 +108,12 @@ def _delaunay_links(robots: Complex) -> _Links | None:
     robot, across = triangulation.simplices.astype(np.intp), triangulation.neighbors.astype(np.intp)
     corner = robots[robot]
     angle = (corner[:, [1, 2, 0]] - corner).conj() * (corner[:, [2, 0, 1]] - corner)
-    end = angle.real / np.abs(angle.imag) / 2
+    # All three imaginary parts are twice the triangle's area, the one where the shorter sides meet most exactly.
+    each = np.arange(len(robot))
+    doubled_area = np.abs(angle.imag[each, np.abs(angle.real).argmin(axis=1)])
+    end = angle.real / doubled_area[:, None] / 2
     # Each link once, from the later of its two triangles.
-    triangle, facing = np.nonzero(across < np.arange(len(robot))[:, None])
+    triangle, facing = np.nonzero(across < each[:, None])
     other = across[triangle, facing]
     facing_there = (across[other] == triangle[:, None]).argmax(axis=1)
     left, right = end[triangle, facing], -end[other, facing_there]
