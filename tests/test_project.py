@@ -81,7 +81,7 @@ def test_the_picture_of_the_readme_is_what_the_scenes_look_like_now(tmp_path) ->
     )
     assert shown.shape == now.shape
     # Coverage is chaotic: what rounds otherwise shows its robots elsewhere, in three of six panels.
-    assert np.abs(shown - now).mean() < 2, "run make picture"
+    assert np.abs(shown - now).mean() < 3, "run make picture"
 
 
 def test_the_versions_agree() -> None:
