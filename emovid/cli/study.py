@@ -32,7 +32,7 @@ Labels = Annotated[
     str | None,
     typer.Option("--labels", help="The answers, with commas between; default: the six emotions.", show_default=False),
 ]
-Seed = Annotated[int, typer.Option("--seed", min=0, help="Of bootstraps, permutations and Monte Carlo tests.")]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="Of all that is random here.")]
 
 
 @app.command()
@@ -194,7 +194,7 @@ def _test_cells(fit: Mapping[str, Any], found: Mapping[str, Any]) -> list[str]:
 
 @app.command()
 def columns(
-    source: Annotated[Path, typer.Argument(metavar="EXPORT", help="A survey's export.")],
+    source: Annotated[Path, typer.Argument(metavar="EXPORT", help="A survey's export, or a folder of them.")],
     key: Key = None,
     mapping: Map = None,
 ) -> None:
@@ -219,7 +219,10 @@ def compare(
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
-    """Set a replication beside the original: differences with intervals, and a test of the whole."""
+    """Set a replication beside the original: differences with intervals, and a test of the whole.
+
+    Example: emovid study compare original/results.json results/results.json
+    """
     from emovid.study import apa
     from emovid.study.compare import compare as run
     from emovid.study.matrix import read_results
@@ -252,7 +255,10 @@ def power(
     wished: Annotated[float, typer.Option("--power", help="Wished power.")] = 0.8,
     as_json: Json = False,
 ) -> None:
-    """Plan how many participants recognise a video above chance."""
+    """Plan how many participants recognise a video above chance.
+
+    Examples: emovid study power --rate 0.5 · emovid study power --choices 4 --power 0.9
+    """
     from dataclasses import asdict
 
     from emovid.study.power import plan
@@ -287,8 +293,12 @@ def simulate(
     elimination: Annotated[float, typer.Option(min=0, max=1, help="Share who give each label once.")] = 0.0,
     dropout: Annotated[float, typer.Option(min=0, max=1, help="Probability to leave after a video.")] = 0.0,
     seed: Seed = 0,
+    quiet: Quiet = False,
 ) -> None:
-    """Write the responses of model participants, to rehearse a study before anyone watches."""
+    """Write the responses of model participants, to rehearse a study before anyone watches.
+
+    Examples: emovid study simulate -o responses.csv --participants 60 · emovid study simulate --bias anger=2
+    """
     import numpy as np
 
     from emovid.study.matrix import percent, read_matrix
@@ -307,7 +317,8 @@ def simulate(
     make_folder(output.parent)
     with writing(output) as file:
         file.write(table.to_csv(index=False, lineterminator="\n").encode())
-    typer.echo(f"{output}: {len(table)} answers of {participants} model participants", err=True)
+    if not quiet:
+        typer.echo(f"{output}: {len(table)} answers of {participants} model participants", err=True)
 
 
 def _weights(pairs: list[str], labels: tuple[str, ...]) -> Any:

@@ -12,7 +12,7 @@ from emovid.study.dialects.videos import code_in
 from emovid.study.errors import StudyError, quoted
 from emovid.study.labels import number
 from emovid.study.mapping import map_text
-from emovid.study.read import known_from, open_table
+from emovid.study.read import files_in, known_from, open_table
 from emovid.study.tables import Table
 
 _EXAMPLES = 3
@@ -58,13 +58,13 @@ class Description:
 def describe_columns(
     path: Path, key: Path | None = None, mapping: Path | None = None, labels: Sequence[str] | None = None
 ) -> Description:
-    """Return what is detected in one export.
+    """Return what is detected in one export, of a folder in the first file that is one.
 
     Raises:
         StudyError: if it is no table of text, or the key or the map cannot be meant.
     """
     known = known_from(key, mapping, labels)
-    table, _ = open_table(path)
+    path, table = _first_table(path, known) if path.is_dir() else (path, open_table(path)[0])
     dialect, problem, raw = "", "", None
     try:
         found = dialect_of(table, known)
@@ -75,6 +75,17 @@ def describe_columns(
     roles = _roles(table, known, raw)
     columns = tuple(_column(table, place, roles.get(name, "")) for place, name in enumerate(table.names))
     return Description(str(path), dialect, problem, columns, _map(table, known, columns))
+
+
+def _first_table(folder: Path, known: Known) -> tuple[Path, Table]:
+    for file in files_in(folder):
+        try:
+            table, _ = open_table(file)
+            dialect_of(table, known)
+        except StudyError:
+            continue
+        return file, table
+    raise StudyError(str(folder), "no file here is an export of a survey; name one of them")
 
 
 def _roles(table: Table, known: Known, raw: Raw | None) -> dict[str, str]:

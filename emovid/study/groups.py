@@ -171,4 +171,4 @@ def _fisher(hits: NDArray[np.int64], n: NDArray[np.int64], seed: int) -> float:
     if table.sum() > _MOST_SHUFFLED:
         return float(chi2_contingency(table).pvalue)
     method = MonteCarloMethod(n_resamples=DRAWS, rng=np.random.default_rng(seed))
-    return float(fisher_exact(table, method=method).pvalue)
+    return float(np.squeeze(fisher_exact(table, method=method).pvalue))  # an array where all shuffles are alike

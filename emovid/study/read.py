@@ -32,7 +32,7 @@ class _Read:
 
 
 def read_responses(
-    sources: Sequence[Path] | Path,
+    sources: Sequence[Path] | Path | str,
     key: Path | None = None,
     mapping: Path | None = None,
     labels: Sequence[str] | None = None,
@@ -50,7 +50,7 @@ def read_responses(
     Raises:
         StudyError: for a file that cannot be understood, and where no answer is left.
     """
-    paths = [sources] if isinstance(sources, Path) else list(sources)
+    paths = [Path(sources)] if isinstance(sources, Path | str) else list(sources)
     known = known_from(key, mapping, labels, groups)
     files, skipped = _read_all(paths, known, {path.resolve() for path in (key, mapping) if path})
     if not files:
@@ -93,7 +93,7 @@ def _read_all(paths: Iterable[Path], known: Known, beside: set[Path]) -> tuple[l
     files: list[_Read] = []
     skipped: list[Rejected] = []
     for path in paths:
-        for file in _files_in(path) if path.is_dir() else [path]:
+        for file in files_in(path) if path.is_dir() else [path]:
             if path.is_dir() and file.resolve() in beside:
                 continue
             try:
@@ -114,7 +114,8 @@ def _read_one(file: Path, known: Known) -> _Read:
     return _Read(Source(str(file), dialect.name, digest, 0), (*table.names, *table.texts), dialect.read(table, known))
 
 
-def _files_in(folder: Path) -> list[Path]:
+def files_in(folder: Path) -> list[Path]:
+    """Return the files of a folder and of those in it, in order of their names, hidden ones aside."""
     try:
         return sorted(file for file in folder.rglob("*") if file.is_file() and not file.name.startswith("."))
     except OSError as error:
@@ -174,7 +175,7 @@ def _participants(
 
 
 def _nothing_left(file: str, rejected: Sequence[Rejected], dropped: Counter[str]) -> StudyError:
-    if dropped:
+    if dropped and not any(item.row for item in rejected):
         counts = ", ".join(f"{count} {reason}" for reason, count in dropped.items())
         return StudyError(file, f"no participant is left ({counts}); expected answers")
     if not rejected:

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from exports import ANSWERS, CODES, COUNTS, EMOTIONS, EXPORTS, GENDER, KEY, ORDER, Export, jspsych, psychopy
+from exports import ANSWERS, CODES, COUNTS, EMOTIONS, EXPORTS, GENDER, KEY, ORDER, Export, jspsych, otree_wide, psychopy
 
 from emovid.study.read import read_responses
 from emovid.study.responses import Responses
@@ -55,6 +55,10 @@ def test_an_order_that_no_column_tells_is_missing(make, tmp_path) -> None:
     positions = read(make(), tmp_path).answers["position"]
     assert positions.isna().all()
     assert positions.dtype == pd.Int64Dtype()
+
+
+def test_what_differs_between_rounds_is_no_group(tmp_path) -> None:
+    assert list(read(otree_wide(), tmp_path).participants) == ["gender"]
 
 
 def test_a_key_that_was_not_pressed_is_no_answer(tmp_path) -> None:

@@ -104,6 +104,11 @@ def test_rates_of_three_groups() -> None:
     assert first == rates_differ(choices, group, seed=4)[0]
 
 
+def test_groups_of_one_of_which_one_alone_is_right() -> None:
+    (test,) = rates_differ(answers([1, *[0] * 7], videos=1), list("abcdefgh"))
+    assert test.p == 1  # it had to be one of them
+
+
 def test_a_group_without_answers_to_a_video() -> None:
     choices = answers([1, 1, 0, 0], videos=2)
     choices[2:, 0] = -1

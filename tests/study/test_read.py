@@ -281,6 +281,22 @@ def test_files_that_are_not_there(tmp_path) -> None:
         read_responses(tmp_path)
 
 
+def test_a_forgotten_key_is_said_even_if_test_runs_were_left_out(tmp_path) -> None:
+    rows = "participant,video,response,status\n1,z8r4,fear,complete\n2,z8r4,fear,test\n"
+    (tmp_path / "own.csv").write_text(rows)
+    with pytest.raises(StudyError, match=r"own.csv:2: response: 'z8r4' unknown video; expected an emotion, or a key"):
+        read_responses(tmp_path / "own.csv")
+
+
+def test_a_folder_is_described_by_its_first_export(tmp_path) -> None:
+    (tmp_path / "a.txt").write_text("no table\n")
+    with pytest.raises(StudyError, match="no file here is an export"):
+        describe_columns(tmp_path)
+    (tmp_path / "b.csv").write_text("participant,video,response\n1,fear,fear\n")
+    found = describe_columns(tmp_path)
+    assert (found.file, found.dialect) == (str(tmp_path / "b.csv"), "long table")
+
+
 def test_columns_are_described_and_a_map_is_offered(tmp_path) -> None:
     file = tmp_path / "x.csv"
     file.write_text(

@@ -16,6 +16,7 @@ from emovid.study.tables import Table
 
 _CODE = "participant.code"
 _ROUND = "subsession.round_number"
+_OWN = ("id_in_group", "role", "payoff")  # fields that every player has
 _FIELD = re.compile(r"(\w+)\.(\d+)\.player\.(\w+)")
 
 
@@ -33,9 +34,8 @@ def read(table: Table, known: Known) -> Raw:
         if video_column(stacked, known) is not None:
             raw = _read_rounds(stacked, known)
             people = who(table, known, _CODE)
-            return replace(
-                raw, participants=joined(raw.participants, groups_of(table, known, people.ids, _tool(table)))
-            )
+            used = {*_tool(table), *_in_rounds(table)}
+            return replace(raw, participants=joined(raw.participants, groups_of(table, known, people.ids, used)))
     if _ROUND in table.names and video_column(table, known) is not None:
         return _read_rounds(table, known)
     names = tuple(table.names[place] for place in _tool(table))
@@ -43,9 +43,10 @@ def read(table: Table, known: Known) -> Raw:
 
 
 def _read_rounds(table: Table, known: Known) -> Raw:
-    return read_trials(
-        table, known, ids=(_CODE,), order=(_ROUND,), reasons=_reasons(table), is_tool=lambda name: "." in name
-    )
+    def is_tool(name: str) -> bool:
+        return "." in name or name in _OWN
+
+    return read_trials(table, known, ids=(_CODE,), order=(_ROUND,), reasons=_reasons(table), is_tool=is_tool)
 
 
 def _reasons(table: Table) -> dict[str, Column]:
@@ -63,23 +64,33 @@ def _reasons(table: Table) -> dict[str, Column]:
 
 def _bare(table: Table) -> Table:
     """Return an app's own export with its fields (`player.video`) named as they were in the code."""
-    names = tuple(re.sub(r"^player\.(?!id_in_group|role|payoff)", "", name) for name in table.names)
+    names = tuple(re.sub(rf"^player\.(?!{'|'.join(_OWN)})", "", name) for name in table.names)
     return replace(table, names=names, texts=names)
 
 
 def _tool(table: Table) -> list[int]:
-    pattern = r"(participant|session|subsession|group)\.|.*\.(subsession|group)\.|.*player\.(id_in_group|role|payoff)$"
+    pattern = rf"(participant|session|subsession|group)\.|.*\.(subsession|group)\.|.*player\.({'|'.join(_OWN)})$"
     return [place for place, name in enumerate(table.names) if re.match(pattern, name)]
+
+
+def _in_rounds(table: Table) -> list[int]:
+    """Return the fields of apps of several rounds: what differs between rounds is nothing about the participant."""
+    return [place for rounds in _apps(table) for fields in rounds.values() for place in fields.values()]
 
 
 def _stacked(table: Table) -> list[Table]:
     """Return, for each app of several rounds, a table with a row for each player and round."""
+    return [_stack(table, rounds) for rounds in _apps(table)]
+
+
+def _apps(table: Table) -> list[dict[int, dict[str, int]]]:
+    """Return the places of the fields in each round of each app that has several."""
     apps: dict[str, dict[int, dict[str, int]]] = {}
     for place, name in enumerate(table.names):
         found = _FIELD.fullmatch(name)
         if found:
             apps.setdefault(found[1], {}).setdefault(int(found[2]), {})[found[3]] = place
-    return [_stack(table, rounds) for rounds in apps.values() if len(rounds) > 1]
+    return [rounds for rounds in apps.values() if len(rounds) > 1]
 
 
 def _stack(table: Table, rounds: dict[int, dict[str, int]]) -> Table:
