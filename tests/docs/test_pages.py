@@ -1,0 +1,134 @@
+"""Every command of every page runs, and prints what the page says it prints."""
+
+import os
+import shlex
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import exports
+import pytest
+import yaml
+from pages import DOCS, ROOT, Command, Keys, agrees, steps
+
+ENV = {
+    **os.environ,
+    "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+    "COLUMNS": "200",
+}
+REFERENCE = ROOT / "studies" / "santos-egerstedt" / "responses.csv"
+SMALL = {"video.size: 1280x720": "size: 320x180", "size: 1280x720": "size: 320x180", "fps: 30": "fps: 5"}
+EXAMPLES = {
+    "qualtrics": exports.qualtrics,
+    "google-forms": exports.google_sheets,
+    "microsoft-forms": exports.microsoft,
+    "surveymonkey": exports.surveymonkey,
+    "limesurvey": exports.limesurvey,
+    "jspsych": exports.jspsych,
+    "psychopy": exports.psychopy,
+    "labjs": exports.labjs,
+    "otree": exports.otree_wide,
+    "psiturk": exports.psiturk,
+    "pymushra": exports.pymushra,
+    "formr": exports.formr,
+    "revisit": exports.revisit,
+    "any-table": exports.generic_long,
+    "index": lambda: exports.Export({"reference.csv": REFERENCE.read_bytes()}, "long table"),
+}
+
+
+def pages() -> list[Path]:
+    return sorted(page for page in DOCS.rglob("*.md") if any(isinstance(step, Command) for step in steps(page)))
+
+
+def small(source: Path) -> str:
+    """Return a scene's or a study's file with a video that is made at once."""
+    text = source.read_text()
+    for large, little in SMALL.items():
+        text = text.replace(large, little)
+    return text
+
+
+def given(page: Path, folder: Path) -> None:
+    """Put into the folder what a reader of the page has."""
+    if page.parent.name == "analyse":
+        export = EXAMPLES[page.stem]()
+        (folder / "key.csv").write_text(exports.KEY)
+        (folder / "exports").mkdir()
+        for name, data in export.files.items():
+            (folder / "exports" / name).write_bytes(data)
+        if len(export.files) == 1:
+            (folder / "export.csv").write_bytes(*export.files.values())
+        return
+    (folder / "table.csv").write_text("a,b\n1,2\n")
+    (folder / "my_scene.yaml").write_text(small(ROOT / "configs" / "anger.yaml"))
+    (folder / "sweep.yaml").write_text(
+        "only: measure\nscenes: [sadness]\nset: {duration: 1}\ngrid: {robot.K: [2, 3]}\n"
+    )
+    (folder / "studies" / "example").mkdir(parents=True)
+    study = small(ROOT / "studies" / "example" / "study.yaml").replace("duration: 15", "duration: 3")
+    (folder / "studies" / "example" / "study.yaml").write_text(study)
+    (folder / "responses.csv").write_bytes(REFERENCE.read_bytes())
+    if "videos/" in page.read_text():
+        run("emovid render --all --size 320x180 --fps 5 --set duration=2 --quiet", folder)
+
+
+def run(line: str, folder: Path) -> "subprocess.CompletedProcess[str]":
+    command = shlex.split(line.replace("$SLURM_ARRAY_TASK_ID", "1"))
+    assert command[0] == "emovid", line
+    waits = "--watch" in command or command[1:3] == ["study", "serve"]
+    return (started_and_stopped if waits else finished)(command, folder)
+
+
+def finished(command: list[str], folder: Path) -> "subprocess.CompletedProcess[str]":
+    return subprocess.run(command, cwd=folder, env=ENV, capture_output=True, text=True, check=False)
+
+
+def started_and_stopped(command: list[str], folder: Path) -> "subprocess.CompletedProcess[str]":
+    """Wait for the first line of a command that ends with Ctrl-C only, and end it."""
+    with subprocess.Popen(
+        command, cwd=folder, env=ENV, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    ) as it:
+        assert it.stdout
+        said = it.stdout.readline()
+        it.send_signal(signal.SIGINT)
+        said += it.stdout.read()
+        code = it.wait()
+    return subprocess.CompletedProcess(command, 0 if code in (0, 130) else code, said, "")
+
+
+def write(keys: Keys, folder: Path) -> None:
+    path = folder / keys.file
+    have = yaml.safe_load(path.read_text()) if path.is_file() else {}
+    path.write_text(yaml.safe_dump(merged(have, yaml.safe_load(keys.text))))
+
+
+def merged(old: dict[str, Any], new: dict[str, Any]) -> dict[str, Any]:
+    """Return keys over keys. A group that says what kind it is replaces another kind, as an editor's hand would."""
+    result = dict(old)
+    for key, value in new.items():
+        deeper = isinstance(value, dict) and isinstance(old.get(key), dict) and "kind" not in value
+        result[key] = merged(old[key], value) if deeper else value
+    return result
+
+
+@pytest.mark.parametrize("page", pages(), ids=lambda page: str(page.relative_to(DOCS)))
+def test_the_commands_of_a_page_do_what_it_says(page, tmp_path) -> None:
+    given(page, tmp_path)
+    for step in steps(page):
+        if isinstance(step, Keys):
+            write(step, tmp_path)
+            continue
+        done = run(step.line, tmp_path)
+        said = done.stdout + done.stderr
+        if step.printed is None:
+            assert done.returncode == 0, f"{step.line}\n{said}"
+        else:
+            assert agrees(said, step.printed), f"{step.line}\n{said}"
+            assert "Traceback" not in said
+
+
+def test_every_tool_has_a_page_and_every_page_an_export() -> None:
+    assert {page.stem for page in (DOCS / "analyse").glob("*.md")} == set(EXAMPLES)
