@@ -3,7 +3,7 @@ PYTHON ?= python3
 JOBS ?= $(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
 BIN := .venv/bin
 
-.PHONY: all-videos figures kit study test lint format bench picture sensitivity setup clean
+.PHONY: all-videos figures kit study test coverage lint format bench readme docs sensitivity setup clean
 
 all-videos: .venv/installed
 	$(BIN)/emovid render --all --jobs $(JOBS) -o videos
@@ -13,6 +13,9 @@ figures: .venv/installed
 
 test: .venv/dev-installed
 	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile
+
+coverage: .venv/dev-installed
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile --cov --cov-report=term --cov-report=html:coverage
 
 lint: .venv/dev-installed
 	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy && $(BIN)/lint-imports
@@ -34,8 +37,11 @@ bench: .venv/dev-installed
 	$(BIN)/python benchmarks/render_cost.py
 	$(BIN)/python benchmarks/peers.py
 
-picture: .venv/installed
-	$(BIN)/python docs/make_picture.py docs/six-emotions.png
+readme: .venv/installed
+	$(BIN)/python docs/make_picture.py docs/six-emotions.webp
+
+docs: .venv/dev-installed
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 sensitivity: .venv/installed
 	$(BIN)/python docs/make_sensitivity.py docs
@@ -43,7 +49,7 @@ sensitivity: .venv/installed
 setup: .venv/dev-installed
 
 clean:
-	rm -rf .venv videos figures dist build .*_cache
+	rm -rf .venv site videos previews figures coverage .coverage* dist build .*_cache
 
 .venv/installed: pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "emovid needs Python 3.11 or newer: make PYTHON=python3.11 $(MAKECMDGOALS)")'

@@ -35,7 +35,7 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
 
 def _inside(text: str, folder: Path) -> str:
     text = re.sub(r"\$\$(.+?)\$\$", lambda found: convert(found[1].strip(), display="block"), text, flags=re.DOTALL)
-    text = re.sub(r"\$([^$\n]+)\$", lambda found: convert(found[1]), text)
+    text = re.sub(r"\$([^$\n]+)\$", lambda found: f"<span>{convert(found[1])}</span>", text)
     return re.sub(r"\[([^]]+)\]\((\.\./[^)]+)\)", lambda found: _named(found, folder), text)
 
 
