@@ -1,5 +1,7 @@
+import os
+import shutil
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NoReturn
 
 import pytest
 from hypothesis import settings
@@ -22,3 +24,28 @@ def make_scene() -> MakeScene:
         return load_scene(emotion, [Setting(key, value, f"test {key}") for key, value in (keys or {}).items()])
 
     return make
+
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+
+
+@pytest.fixture(scope="module")  # a playwright that is left running would take the thread's event loop from others
+def browser():
+    """Start the machine's Chromium. Without one the tests in it are left out; where it is promised, they fail."""
+    path = next((found for name in BROWSERS if (found := shutil.which(name))), None)
+    if path is None:
+        _left_out("no Chromium: its pages were NOT TRIED in a browser")
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        _left_out("no playwright: its pages were NOT TRIED in a browser")
+    with sync_playwright() as playwright:
+        running = playwright.chromium.launch(executable_path=path, args=["--no-sandbox", "--disable-gpu"])
+        yield running
+        running.close()
+
+
+def _left_out(reason: str) -> NoReturn:
+    if os.environ.get("EMOVID_TESTS_NEED_BROWSER"):
+        pytest.fail(reason)
+    pytest.skip(reason)

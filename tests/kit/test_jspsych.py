@@ -18,7 +18,6 @@ from emovid.kit.export import export
 from emovid.kit.exports.jspsych import RELEASE
 from emovid.kit.read import Kit, open_kit
 
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 CONFIDENCE = "ratings: {confidence: {question: How sure are you, low: not at all, high: completely, steps: 7}}\n"
 
 
@@ -46,19 +45,6 @@ def jspsych_files(request, tmp_path_factory) -> Path:
                 (made / target).write_bytes(member.read())
     shutil.copytree(made, kept)
     return kept
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """Start the machine's Chromium."""
-    path = next((found for name in BROWSERS if (found := shutil.which(name))), None)
-    if path is None:
-        pytest.skip("no Chromium: the jsPsych page was NOT TRIED")
-    sync_api = pytest.importorskip("playwright.sync_api", reason="no playwright: the jsPsych page was NOT TRIED")
-    with sync_api.sync_playwright() as playwright:
-        running = playwright.chromium.launch(executable_path=path, args=["--no-sandbox", "--disable-gpu"])
-        yield running
-        running.close()
 
 
 @pytest.fixture(scope="module")

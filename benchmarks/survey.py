@@ -1,0 +1,117 @@
+"""The survey under load: 200 participants at once, fifty kills, and one participant at full length in a real browser.
+
+    python benchmarks/survey.py
+
+prints a Markdown table, and exits with 1 if an answer was lost, came twice, or a participant saw an error.
+"""
+
+import shutil
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+from playwright.sync_api import sync_playwright
+
+from emovid.kit.build import build
+from emovid.kit.load import load_study
+
+ROOT = Path(__file__).parent.parent
+sys.path.insert(0, str(ROOT / "tests" / "survey"))
+
+from crowd import Crowd  # noqa: E402 - the crowd of the tests
+from killing import kill_under_load  # noqa: E402
+from participant import Participant  # noqa: E402
+from served import serving  # noqa: E402
+from small_survey import STUDY  # noqa: E402
+
+PEOPLE, KILLS, LENGTH = 200, 50, 2.0  # s
+Row = tuple[str, str, bool]
+
+
+class _Silent:
+    def advanced(self, frames: int) -> None:
+        pass
+
+    def finished(self, video: Path, number: int, count: int, *, made: bool) -> None:
+        pass
+
+
+def made(folder: Path, text: str) -> Path:
+    """Build a kit of a study."""
+    folder.mkdir()
+    (folder / "study.yaml").write_text(text)
+    build(load_study(folder / "study.yaml"), folder / "kit", 240, 7, _Silent())
+    return folder / "kit"
+
+
+def crowded(kit: Path) -> Row:
+    """Let 200 take part at once."""
+    with serving(kit) as server:
+        crowd = Crowd(server.address, PEOPLE, LENGTH)
+        started = time.monotonic()
+        crowd.start()
+        crowd.wait()
+        took = time.monotonic() - started
+    seconds = np.concatenate([person.seconds for person in crowd.people])
+    middle, high, most = 1000 * np.quantile(seconds, [0.5, 0.99, 1])
+    replies = f"replies within {middle:.0f} ms (median), {high:.0f} ms (99 %), {most:.0f} ms (all)"
+    said = f"{len(crowd.failures)} errors; {len(seconds)} requests in {took:.0f} s; {replies}"
+    return f"{PEOPLE} participants at once, all six videos of {LENGTH:g} s", said, not crowd.failures
+
+
+def killed(kit: Path) -> Row:
+    """Kill the server at 50 random moments while 40 take part."""
+    found = kill_under_load(kit, LENGTH, KILLS, people=40, seed=3)
+    said = f"{found.acknowledged} answers acknowledged; {found.lost} lost, {found.twice} twice"
+    said += f", {len(found.failures)} errors"
+    return f"{found.kills} kills (SIGKILL) under load", said, not (found.lost or found.twice or found.failures)
+
+
+def watched(folder: Path) -> Row:
+    """Let one participant take part in the example study, in a real browser, at full length."""
+    kit = made(folder / "full", (ROOT / "studies" / "example" / "study.yaml").read_text())
+    with serving(kit) as server, sync_playwright() as playwright:
+        path = shutil.which("chromium") or shutil.which("google-chrome")
+        browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox", "--disable-gpu"])
+        person = Participant(browser, server.address, 1)
+        started = time.monotonic()
+        person.page.get_by_role("button", name="I agree and want to take part").click()
+        person.page.wait_for_url("**/about")
+        for group in person.page.locator("fieldset").all():
+            group.get_by_role("radio").last.check()
+        person.page.get_by_role("button", name="Continue").click()
+        person.page.wait_for_url("**/instructions")
+        person.page.get_by_role("button", name="Continue").click()
+        person.page.wait_for_url("**/video/1")
+        for _ in range(6):
+            person.play()
+            person.watched()
+            person.choose()
+        person.submit()
+        took = time.monotonic() - started
+        browser.close()
+    return (
+        "one participant in Chromium, six videos of 15 s",
+        f"submitted after {took:.0f} s; {len(person.errors)} errors",
+        True,
+    )
+
+
+def main() -> int:
+    """Print the table."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        kit = made(folder / "small", STUDY.replace("duration: 1}", f"duration: {LENGTH:g}}}"))
+        other = shutil.copytree(kit, folder / "killed" / "kit")
+        print("| what | outcome |\n|---|---|")
+        held = True
+        for what, said, good in (crowded(kit), killed(other), watched(folder)):
+            print(f"| {what} | {said} |")
+            held &= good
+    return 0 if held else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,45 @@
+-- The survey's database. Times are seconds since 1970, by the server's clock. Nothing here tells who a participant is.
+CREATE TABLE IF NOT EXISTS facts (name TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT;
+CREATE TABLE IF NOT EXISTS participants (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,  -- of those who withdrew, no number is given again
+  digest TEXT NOT NULL UNIQUE,           -- of the code
+  order_row TEXT NOT NULL,
+  videos TEXT NOT NULL,                  -- codes by place, as JSON
+  choices TEXT NOT NULL,                 -- labels in the order of the page, as JSON
+  consent_version TEXT NOT NULL,
+  enrolled REAL NOT NULL,
+  seen REAL NOT NULL,
+  about TEXT,                            -- the answers about the participant, as JSON
+  instructed REAL,
+  submitted REAL
+) STRICT;
+CREATE TABLE IF NOT EXISTS views (
+  participant INTEGER NOT NULL REFERENCES participants ON DELETE CASCADE,
+  place INTEGER NOT NULL,
+  shown REAL NOT NULL,
+  opened REAL,                           -- when it was watched and could be answered
+  PRIMARY KEY (participant, place)
+) STRICT;
+CREATE TABLE IF NOT EXISTS plays (
+  participant INTEGER NOT NULL REFERENCES participants ON DELETE CASCADE,
+  place INTEGER NOT NULL,
+  play TEXT NOT NULL,                    -- drawn by the page: a report that comes twice counts once
+  started REAL NOT NULL,
+  share REAL NOT NULL DEFAULT 0,
+  device TEXT NOT NULL,
+  width INTEGER NOT NULL,
+  height INTEGER NOT NULL,
+  frames INTEGER NOT NULL DEFAULT 0,
+  dropped INTEGER NOT NULL DEFAULT 0,
+  PRIMARY KEY (participant, place, play)
+) STRICT;
+CREATE TABLE IF NOT EXISTS answers (                   -- one row for each change; the last one counts
+  id INTEGER PRIMARY KEY,
+  participant INTEGER NOT NULL REFERENCES participants ON DELETE CASCADE,
+  place INTEGER NOT NULL,
+  response TEXT NOT NULL,
+  ratings TEXT NOT NULL,                 -- as JSON
+  given REAL NOT NULL
+) STRICT;
+CREATE INDEX IF NOT EXISTS answers_of ON answers (participant, place);
+CREATE TABLE IF NOT EXISTS withdrawn (digest TEXT PRIMARY KEY, at REAL NOT NULL) STRICT;

@@ -1,0 +1,94 @@
+"""A participant of the survey at a browser: what is done is kept, to be compared with what was recorded."""
+
+import re
+from random import Random
+from typing import Any
+
+PHONE = {"viewport": {"width": 360, "height": 740}, "has_touch": True, "is_mobile": True}
+DESKTOP = {"viewport": {"width": 1280, "height": 800}}
+
+
+class Participant:
+    """One person, at one browser.
+
+    Attributes:
+        page: what is shown.
+        gender: as told.
+        first, last: first and last answer by video code.
+        errors: of the page.
+    """
+
+    def __init__(self, browser: Any, address: str, number: int) -> None:
+        self._random = Random(number)  # noqa: S311 - what somebody happens to choose
+        self._context = browser.new_context(**(PHONE if number % 3 == 0 else DESKTOP))
+        self._address = address
+        self.gender = self._random.choice(["Woman", "Man", "Another gender"])
+        self.first: dict[str, str] = {}
+        self.last: dict[str, str] = {}
+        self.errors: list[str] = []
+        self.open()
+
+    def open(self) -> None:
+        """Open the survey in a new tab; a browser that has a participant goes on."""
+        self.page = self._context.new_page()
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.goto(f"{self._address}/")
+
+    def begin(self) -> None:
+        self.page.get_by_role("button", name="I agree and want to take part").click()
+        self.page.get_by_label(self.gender, exact=True).check()
+        self.page.get_by_role("button", name="Continue").click()
+        self.page.wait_for_url("**/instructions")
+        self.page.get_by_role("button", name="Continue").click()
+        self.page.wait_for_url("**/video/1")
+
+    def play(self) -> None:
+        self.page.locator("#play").click()
+
+    def watched(self) -> None:
+        """Wait until the question can be answered."""
+        self.page.locator("#gate:enabled").wait_for()
+
+    @property
+    def code(self) -> str:
+        source = self.page.locator("#player video").get_attribute("src") or ""
+        found = re.search(r"/media/(\w+)\.mp4", source)
+        assert found, source
+        return found[1]
+
+    def choose(self) -> None:
+        """Answer at random, and wait for the page that acknowledges it."""
+        code, here = self.code, self.page.url
+        chosen = self.page.get_by_role("radio").nth(self._random.randrange(6))
+        chosen.check()
+        self.last[code] = chosen.get_attribute("value") or ""
+        self.first.setdefault(code, self.last[code])
+        self.page.locator("#submit").click()
+        self.page.wait_for_url(lambda url: url != here)
+
+    def go_back_to(self, place: int, link: str) -> None:
+        self.page.get_by_role("link", name=link).click()
+        self.page.wait_for_url(f"**/video/{place}")
+
+    def reload(self) -> None:
+        """Lose what was played so far."""
+        self.page.reload()
+        self.play()
+
+    def watch_again(self) -> None:
+        self.play()
+        self.watched()
+
+    def crash(self) -> None:
+        """Lose the tab, and open the survey again."""
+        self.page.close()
+        self.open()
+        self.play()
+
+    def submit(self) -> None:
+        self.page.get_by_role("button", name="Submit all answers").click()
+        self.page.wait_for_url("**/thanks")
+
+    def leave(self) -> None:
+        self._context.close()
+        assert self.errors == []

@@ -1,0 +1,138 @@
+"""A whole study, rehearsed: twelve participants in a real browser, and what they clicked against what is analysed."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+from participant import Participant
+from served import Server, serving
+from small_survey import LABELS, STUDY
+
+from emovid.cli.main import main
+from emovid.kit.build import build
+from emovid.kit.load import load_study
+
+PEOPLE = 12
+
+
+class _Silent:
+    def advanced(self, frames: int) -> None:
+        pass
+
+    def finished(self, video, number: int, count: int, *, made: bool) -> None:
+        pass
+
+
+@pytest.fixture(scope="module")
+def kit(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("rehearsal")
+    (folder / "study.yaml").write_text(STUDY.replace("duration: 1}", "duration: 2}"))
+    build(load_study(folder / "study.yaml"), folder / "kit", PEOPLE, 2**80 + 11, _Silent())
+    return folder / "kit"
+
+
+@pytest.fixture(scope="module")
+def people(browser, kit):
+    """Let all take part at once: some go back, watch again, reload, lose their tab; the server is killed meanwhile."""
+    with serving(kit) as server:
+        present = [Participant(browser, server.address, number) for number in range(PEOPLE)]
+        for person in present:
+            person.begin()
+        for place in range(1, 7):
+            see(place, present, server)
+        for person in present[::3]:
+            person.go_back_to(2, "Change Video 2 of 6")
+            person.choose()
+            person.page.wait_for_url("**/review")
+        for person in present:
+            person.submit()
+            person.leave()
+        assert server.stop() in (0, 143)
+    return present
+
+
+def see(place: int, present: list[Participant], server: Server) -> None:
+    """Let all watch and answer one video; some do more."""
+    reload, crash, again, back = ({2: 0, 3: 1, 5: 2, 4: 3}.get(place) == k for k in range(4))
+    for person in present:
+        person.play()
+    for person in present[0::4] if reload else ():
+        person.reload()
+    for person in present[1::4] if crash else ():
+        person.crash()
+    if place == 4:
+        server.kill()
+        server.start()
+    for person in present:
+        person.watched()
+    for person in present[2::4] if again else ():
+        person.watch_again()
+    for person in present:
+        person.choose()
+    for person in present[3::4] if back else ():
+        person.go_back_to(place, "Back")
+        person.choose()
+
+
+@pytest.fixture(scope="module")
+def table(people, kit) -> pd.DataFrame:
+    target = kit.parent / "responses.csv"
+    assert main(["study", "responses", str(kit), "-o", str(target)]) == 0
+    return pd.read_csv(target)
+
+
+def test_every_click_is_in_the_export_and_nothing_else(people, table) -> None:
+    recorded = {
+        tuple(sorted(zip(rows["video"], rows["response"], rows["first_response"], rows["gender"], strict=True)))
+        for _, rows in table.groupby("participant")
+    }
+    clicked = {
+        tuple(sorted((code, answer, person.first[code], person.gender) for code, answer in person.last.items()))
+        for person in people
+    }
+    assert recorded == clicked
+    assert len(table) == 6 * PEOPLE
+    assert set(table["status"]) == {"finished"}
+
+
+def test_the_analysis_counts_what_was_clicked(people, table, kit) -> None:
+    folder = kit.parent
+    key = pd.read_csv(kit / "private" / "key.csv").set_index("video_code")["true_emotion"]
+    arguments = [
+        str(folder / "responses.csv"),
+        "--key",
+        str(kit / "private" / "key.csv"),
+        "-o",
+        str(folder / "results"),
+    ]
+    assert main(["study", "analyze", *arguments, "--quiet"]) == 0
+    results = json.loads((folder / "results" / "results.json").read_text())
+    assert results["n_participants"] == PEOPLE
+    order = results["emotions"]
+    expected = np.zeros((6, 6), dtype=int)
+    for person in people:
+        for code, answer in person.last.items():
+            expected[order.index(answer), order.index(key[code])] += 1
+    assert results["counts"] == expected.tolist()
+
+
+def test_events_are_those_that_happened(people, table) -> None:
+    assert (table["watched_share"] >= 0.98).all()
+    assert (table["plays"] >= 1).all()
+    assert (table.groupby("participant")["plays"].sum() > 6).sum() >= 9  # who reloaded, lost the tab or watched again
+    assert table["changes"].sum() == sum(
+        person.first[code] != last for person in people for code, last in person.last.items()
+    )
+    assert set(table["device"]) == {"phone", "desktop"}
+    assert set(table["width"] > 200) == {True}
+    assert set(table["response"]) <= set(LABELS)
+
+
+def test_orders_are_those_of_the_kit_each_once(people, table, kit) -> None:
+    orders = pd.read_csv(kit / "orders.csv")
+    planned = {tuple(rows.sort_values("position")["video_code"]) for _, rows in orders.groupby("participant")}
+    shown = [tuple(rows.sort_values("position")["video"]) for _, rows in table.groupby("participant")]
+    assert len(shown) == PEOPLE
+    assert set(shown) <= planned
+    assert set(table["order_row"]) == set(orders["participant"])

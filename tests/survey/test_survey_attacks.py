@@ -1,0 +1,331 @@
+"""What must be refused, tried."""
+
+import re
+import sys
+
+import pytest
+from small_survey import STUDY
+from visitor import Visitor
+
+from emovid.kit.read import open_public
+from emovid.survey import codes
+from emovid.survey.app import MOST_BYTES, create_app
+from emovid.survey.export import responses_csv
+from emovid.survey.open import open_survey
+
+POSTS = ("/consent", "/about", "/instructions", "/video/1", "/video/1/play", "/video/1/watched", "/submit", "/resume",
+         "/withdraw", "/new")  # fmt: skip
+PAGES = ("/", "/about", "/instructions", "/video/1", "/review", "/thanks", "/resume", "/withdraw", "/new", "/nothing")
+INJECTIONS = [
+    "'; DROP TABLE answers; --",
+    "' OR '1'='1",
+    '"><script>alert(1)</script>',
+    "{{ 7*7 }}{% debug %}",
+    "\r\nSet-Cookie: emovid=evil",
+    "../../private/key.csv",
+    "\x00\x1b[31m",
+    "=HYPERLINK(\"http://x\")",
+    "fear\x00",
+    "𝕱" * 1000,
+]  # fmt: skip
+
+
+def everything(store, opened) -> str:
+    return responses_csv(store, opened.manifest, pilot=False, release=7200)
+
+
+@pytest.fixture
+def someone(visitor) -> Visitor:
+    """Enrol somebody who may answer the first video."""
+    found = visitor().begin()
+    assert found.watch(1).json["open"]
+    return found
+
+
+@pytest.mark.parametrize("path", POSTS)
+@pytest.mark.parametrize("forged", ["", "0" * 64, "another's"])
+def test_nothing_is_taken_without_the_token_of_our_own_page(someone, visitor, store, opened, path, forged) -> None:
+    someone.answer(1, "fear")
+    before = everything(store, opened)
+    token = visitor().token if forged == "another's" else forged
+    form = {"response": "anger", "consent": "agree", "code": codes.readable(someone.cookie), "gender": "Man"}
+    cookie = someone.cookie
+    for reply in (
+        someone.client.post(path, data=form | {"form-token": token}),
+        someone.client.post(path, json={"play": "0" * 16}, headers={"X-Form-Token": token}),
+        someone.client.post(path, data=form, headers={"Origin": "https://evil.example"}),
+    ):
+        assert reply.status_code == 403
+        assert "not recorded" in reply.text
+    assert everything(store, opened) == before
+    assert someone.cookie == cookie
+
+
+@pytest.mark.parametrize("method", ["put", "patch", "delete"])
+def test_other_methods_change_nothing(someone, method) -> None:
+    assert getattr(someone.client, method)("/video/1").status_code in (403, 405)
+
+
+def test_nobody_sees_or_changes_another_s_answers(visitor, store, opened) -> None:
+    first, second = visitor().begin(), visitor().begin()
+    for one, response in ((first, "fear"), (second, "anger")):
+        one.watch(1)
+        one.answer(1, response)
+    assert (first.chosen(1), second.chosen(1)) == ("fear", "anger")
+    attacker = visitor()
+    attacker.client.set_cookie("emovid", second.cookie[:-1] + ("b" if second.cookie[-1] != "b" else "c"))
+    assert attacker.get("/video/1").location == "/resume"
+    for number in ("1", "2", "p-0001", "P001"):
+        assert attacker.post("/resume", code=number).status_code == 404
+        assert attacker.post("/withdraw", code=number).status_code == 404
+        for place in (f"/video/1?participant={number}", f"/review?id={number}"):
+            assert attacker.get(place).location == "/resume"
+    attacker.post("/video/1", response="anger", participant="1")
+    assert (first.chosen(1), second.chosen(1)) == ("fear", "anger")
+
+
+def test_the_form_of_one_participant_cannot_be_sent_as_another(visitor) -> None:
+    first, second = visitor().begin(), visitor().begin()
+    second.watch(1)
+    stolen = second.client.post("/video/1", data={"form-token": first.token, "response": "fear"})
+    assert stolen.status_code == 403
+    assert second.chosen(1) == ""
+
+
+def test_the_gate_cannot_be_skipped_by_a_direct_post(visitor, store, opened) -> None:
+    hasty = visitor().begin()
+    assert hasty.answer(1, "fear").status_code == 409
+    hasty.get("/video/1")
+    assert hasty.answer(1, "fear").status_code == 409
+    assert hasty.report("/video/1/watched", play="0" * 16, share=1).status_code == 409  # never begun
+    assert hasty.answer(1, "fear").status_code == 409
+    hasty.report("/video/1/play", play="0" * 16)
+    assert hasty.report("/video/1/watched", play="0" * 16, share=1).json == {"open": False, "wait": pytest.approx(0.98)}
+    for claim in (1e9, float("inf"), float("nan"), "1", None, True, [1], {}):
+        assert not hasty.report("/video/1/watched", play="0" * 16, share=claim).json["open"]
+    hasty.clock.now += 0.97
+    assert hasty.report("/video/1/watched", play="0" * 16, share=1).json["open"] is False
+    assert hasty.answer(1, "fear").status_code == 409
+    hasty.clock.now += 100  # time alone is not enough
+    assert hasty.answer(1, "fear").status_code == 409
+    assert hasty.report("/video/1/watched", play="0" * 16, share=0.97).json == {"open": False, "wait": 0}
+    assert len(everything(store, opened).splitlines()) == 1
+    assert hasty.report("/video/1/watched", play="0" * 16, share=1).json["open"]
+    assert hasty.answer(1, "fear").location == "/video/2"
+
+
+def test_a_play_of_one_video_or_of_another_participant_opens_no_other(visitor) -> None:
+    first, second = visitor().begin(), visitor().begin()
+    first.report("/video/1/play", play="a" * 16)
+    first.clock.now += 5
+    assert second.report("/video/1/watched", play="a" * 16, share=1).status_code == 409
+    assert first.report("/video/2/play", play="b" * 16).status_code == 409  # not yet its turn
+    assert first.report("/video/7/play", play="b" * 16).status_code == 409
+    assert first.report("/video/1/watched", play="a" * 16, share=1).json["open"]
+    assert first.answer(2, "fear").location == "/video/1"
+    assert second.answer(1, "fear").status_code == 409
+
+
+@pytest.mark.parametrize("report", [{}, {"play": 7}, {"play": "x" * 16}, {"play": "0" * 17}, [], "text", 7])
+def test_a_report_that_the_player_does_not_send_is_refused(someone, report) -> None:
+    for path in ("/video/1/play", "/video/1/watched"):
+        reply = someone.client.post(path, json=report, headers={"X-Form-Token": someone.token})
+        assert reply.status_code == 400
+
+
+def test_sizes_and_frames_that_cannot_be_are_not_believed(someone, store) -> None:
+    odd = {"device": "<b>", "width": 1e300, "height": -4, "frames": "many", "dropped": float("nan")}
+    assert someone.report("/video/1/play", play="f" * 16, **odd).status_code == 200
+    assert someone.report("/video/1/watched", play="f" * 16, share=0, **odd).status_code == 200
+    with store._data.reading() as sql:
+        kept = sql.execute("SELECT device, width, height, frames, dropped FROM plays WHERE play = ?", ("f" * 16,))
+        assert kept.fetchone() == ("", 100_000, 0, 0, 0)
+
+
+@pytest.mark.parametrize("text", INJECTIONS)
+def test_no_text_is_taken_for_sql_html_a_header_or_a_path(someone, store, opened, text) -> None:
+    assert someone.answer(1, text).status_code == 400
+    assert someone.answer(1, "fear").location == "/video/2"
+    said = someone.post("/about", gender="Man", country=text)
+    assert said.location == "/instructions"
+    assert said.headers.getlist("Set-Cookie") == []
+    page = someone.get("/about").text
+    assert "<script>alert" not in page
+    assert "49" not in re.findall(r'id="country"[^>]*', page)[0].replace("49;", "")
+    for path in ("/resume", "/withdraw"):
+        reply = someone.post(path, code=text)
+        assert reply.status_code == 404
+        assert "<script>alert" not in reply.text
+        assert "emovid=evil" not in str(reply.headers)
+    someone.client.set_cookie("other", "x")
+    assert someone.get("/video/1").status_code == 200
+    lines = everything(store, opened).splitlines()
+    assert len(lines) == 2
+    assert not re.search(r"(^|,)[=@]", lines[1])
+
+
+def test_text_is_shown_as_it_was_written(someone) -> None:
+    someone.post("/about", gender="Man", country="<b>\"&'")
+    assert 'value="&lt;b&gt;&#34;&amp;&#39;"' in someone.get("/about").text
+
+
+def test_a_study_s_own_texts_are_no_html(kit, tmp_path, clock) -> None:
+    manifest = kit / "public" / "manifest.json"
+    manifest.write_text(manifest.read_text().replace("Watch each video to its end.", "<script>alert(1)</script>"))
+    opened, store = open_survey(kit, pilot=False, begin=True)
+    visitor = Visitor(create_app(opened, store), clock)
+    visitor.post("/consent", consent="agree")
+    visitor.post("/about", gender="Man")
+    assert "&lt;script&gt;" in visitor.get("/instructions").text
+    store.close()
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["/media/../manifest.json", "/media/..%2fmanifest.json", "/media/%2e%2e%2f%2e%2e%2fprivate%2fkey.csv.mp4",
+     "/media/..%5c..%5cprivate%5ckey.mp4", "/media//etc/passwd.mp4", "/media/key.mp4", "/media/.mp4",
+     "/static/../app.py", "/static/%2e%2e/app.py", "/static/..%2f..%2fsurvey%2fstore.py", "/private/key.csv",
+     "/orders.csv", "/manifest.json", "/answers/answers.sqlite", "/video/0", "/video/-1", "/video/1.5",
+     "/video/99999999999999999999", "/console", "/static/"],
+)  # fmt: skip
+def test_no_path_leads_out_of_the_pages(someone, path) -> None:
+    reply = someone.get(path)
+    assert reply.status_code == (303 if path.startswith(("/video/0", "/video/9")) else 404)
+    assert b"true_emotion" not in reply.data
+    assert b"def " not in reply.data
+    assert "/private" not in reply.text.replace(path, "")
+
+
+def test_videos_are_for_participants_and_their_own(visitor, someone, opened) -> None:
+    code = opened.orders["P001"][0]
+    assert someone.get(f"/media/{code}.mp4").status_code == 200
+    assert visitor().get(f"/media/{code}.mp4").status_code == 404
+    assert someone.get("/media/bbbbbb.mp4").status_code == 404
+
+
+def test_parts_of_a_video_are_the_bytes_that_were_asked_for(someone, opened) -> None:
+    code = opened.orders["P001"][0]
+    whole = opened.folder.video(code).read_bytes()
+    path = f"/media/{code}.mp4"
+    assert someone.get(path).data == whole
+    assert someone.get(path).headers["Accept-Ranges"] == "bytes"
+    for asked, expected in {"0-99": whole[:100], "100-": whole[100:], "-7": whole[-7:]}.items():
+        reply = someone.get(path, headers={"Range": f"bytes={asked}"})
+        assert (reply.status_code, reply.data) == (206, expected)
+        assert reply.headers["Content-Range"].endswith(f"/{len(whole)}")
+    assert someone.get(path, headers={"Range": f"bytes={len(whole)}-"}).status_code == 416
+    tag = someone.get(path).headers["ETag"]
+    assert someone.get(path, headers={"If-None-Match": tag}).status_code == 304
+
+
+def test_bodies_and_fields_have_an_end(someone, store, opened) -> None:
+    before = everything(store, opened)
+    token = someone.token
+    for reply in (
+        someone.post("/about", gender="Man", country="x" * (MOST_BYTES + 1)),
+        someone.client.post("/about", data=b"x" * (MOST_BYTES + 1), headers={"X-Form-Token": token}),
+        someone.report("/video/1/play", play="0" * 16, padding="x" * MOST_BYTES),
+    ):
+        assert reply.status_code == 413
+        assert "Something went wrong" in reply.text
+    assert everything(store, opened) == before
+    someone.post("/about", gender="Man", country="x" * 5000)
+    assert max(map(len, re.findall("x+", someone.get("/about").text))) == 500
+
+
+@pytest.mark.parametrize("path", PAGES)
+def test_every_page_forbids_what_it_does_not_need(someone, path) -> None:
+    headers = someone.get(path).headers
+    policy = dict(part.strip().split(" ", 1) for part in headers["Content-Security-Policy"].split(";"))
+    assert policy["default-src"] == "'none'"
+    assert policy["frame-ancestors"] == policy["base-uri"] == "'none'"
+    assert all(
+        policy[name] == "'self'" for name in ("script-src", "style-src", "media-src", "connect-src", "form-action")
+    )
+    assert (headers["X-Content-Type-Options"], headers["X-Frame-Options"]) == ("nosniff", "DENY")
+    assert (headers["Referrer-Policy"], headers["Cache-Control"]) == ("no-referrer", "no-store")
+
+
+@pytest.mark.parametrize("path", PAGES)
+def test_pages_need_nothing_from_elsewhere_and_no_script_inside_them(someone, path) -> None:
+    page = someone.get(path, follow_redirects=True).text
+    assert not re.search(r'(src|href|action)="(?!/|#|https://example\.org/back)', page)
+    assert not re.search(r"<script(?! src=)|<style|\sstyle=|\son\w+=", page)
+
+
+def test_cookies_are_for_the_server_alone_and_by_tls_where_there_is_tls(opened, store, clock) -> None:
+    plain = create_app(opened, store).test_client().get("/").headers["Set-Cookie"]
+    assert re.fullmatch(r"emovid=[a-z0-9]{24}; .*HttpOnly; Path=/; SameSite=Lax", plain)
+    secure = create_app(opened, store, https=True).test_client().get("/").headers["Set-Cookie"]
+    assert re.fullmatch(r"__Host-emovid=[a-z0-9]{24}; .*Secure; HttpOnly; Path=/; SameSite=Lax", secure)
+
+
+def test_codes_cannot_be_planted_before_the_consent_by_a_form_of_another_site(visitor) -> None:
+    victim = visitor()
+    victim.get("/")
+    cookie = victim.cookie
+    attacker = visitor().begin()
+    reply = victim.client.post("/resume", data={"code": attacker.cookie, "form-token": attacker.token})
+    assert reply.status_code == 403
+    assert victim.cookie == cookie
+
+
+def test_a_failure_inside_shows_nothing_of_the_inside(someone, store, monkeypatch, caplog) -> None:
+    def broken(*_: object) -> None:
+        raise OSError("/secret/path: disk full")
+
+    monkeypatch.setattr(store, "answer", broken)
+    reply = someone.answer(1, "fear")
+    assert reply.status_code == 500
+    assert "Something went wrong" in reply.text
+    assert "secret" not in reply.text
+    assert "Traceback" not in reply.text
+    assert "disk full" in caplog.text
+
+
+def test_redirects_stay_here_whatever_host_is_claimed(someone) -> None:
+    for host in ("evil.example", "evil.example/..", "localhost:99999"):
+        reply = someone.client.post(
+            "/video/1", data={"form-token": someone.token, "response": "fear"}, headers={"Host": host}
+        )
+        assert "evil" not in reply.text + reply.headers.get("Location", "")
+
+
+def test_the_survey_runs_without_the_private_folder_and_never_opens_it(kit, clock) -> None:
+    touched = []
+
+    def listen(event: str, arguments: tuple[object, ...]) -> None:
+        if listening and event in ("open", "os.listdir", "os.scandir") and "private" in str(arguments[0]):
+            touched.append(arguments[0])
+
+    listening = True
+    sys.addaudithook(listen)
+    (kit / "private").chmod(0)
+    opened, store = open_survey(kit, pilot=False, begin=True)
+    Visitor(create_app(opened, store), clock).begin()
+    everything(store, opened)
+    store.close()
+    listening = False
+    (kit / "private").chmod(0o700)
+    assert touched == []
+    assert open_public(kit).key == {}
+
+
+def test_no_page_and_no_file_tells_a_label_of_a_video(visitor, fresh, opened, store) -> None:
+    """Labels are answers to choose from; beside a code, or in an order that follows the key, none stands."""
+    someone = visitor()
+    seen = [someone.get("/").text]
+    someone.begin()
+    for place in range(1, 7):
+        seen.append(someone.get(f"/video/{place}").text)
+        someone.watch(place)
+        someone.answer(place, "fear")
+    without = [re.sub(r'<label><input type="radio"[^>]*>\w+</label>', "", page) for page in seen]
+    assert not any(
+        label in page.lower() for page in without for label in ("happi", "anger", "sad", "disgust", "surpris")
+    )
+    assert STUDY.count("anger") == 2
+    key = (fresh / "private" / "key.csv").read_text()
+    assert all(line.split(",")[1] not in "".join(without).lower() for line in key.splitlines()[1:])
+    choice_orders = {tuple(re.findall(r'name="response" value="(\w+)"', page)) for page in seen[1:]}
+    assert choice_orders == {opened.choices["P001"]}

@@ -1,0 +1,195 @@
+import csv
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import urllib.request
+from pathlib import Path
+
+import pytest
+from small_survey import LABELS
+from visitor import Clock, Visitor
+
+from emovid.cli.main import main
+from emovid.kit.read import open_kit
+from emovid.study.read import read_responses
+from emovid.survey.app import create_app
+from emovid.survey.codes import digest, readable
+from emovid.survey.open import database_of, open_survey
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(kit, monkeypatch) -> None:
+    """Work beside a kit of one's own."""
+    monkeypatch.chdir(kit.parent)
+
+
+def take_part(answers: list[list[str]], *, pilot: bool = False, submit: bool = True) -> list[Visitor]:
+    """Let participants go through the survey of the kit."""
+    opened, store = open_survey(Path("kit"), pilot=pilot, begin=True)
+    clock = Clock()
+    store.clock = clock
+    app = create_app(opened, store)
+    visitors = [Visitor(app, clock).go_through(given, submit=submit) for given in answers]
+    store.close()
+    return visitors
+
+
+def test_what_was_answered_is_what_the_analysis_counts(capsys) -> None:
+    answers = [[LABELS[(i + j * j) % 6] for j in range(6)] for i in range(4)]
+    take_part(answers)
+    take_part([["fear"] * 3], submit=False)
+    assert main(["study", "responses", "kit", "-o", "responses.csv"]) == 0
+    assert capsys.readouterr().err == "responses.csv: 27 answers\n"
+    read = read_responses(Path("responses.csv"), key=Path("kit/private/key.csv"))
+    kit = open_kit(Path("kit"))
+    orders = list(kit.orders.values())
+    expected = [
+        (f"p-{person:04d}", code, kit.key[code], label, place)
+        for person, (order, given) in enumerate(zip(orders, answers, strict=False), start=1)
+        for place, (code, label) in enumerate(zip(order, given, strict=True), start=1)
+    ]
+    assert [tuple(row) for row in read.answers.itertuples(index=False)] == expected
+    assert list(read.participants.columns) == ["gender"]
+    assert (read.sources[0].dialect, read.dropped, read.rejected) == ("emovid survey", {"partial": 1}, ())
+    assert main(["study", "audit", "kit", "--responses", "responses.csv"]) == 0
+    assert "4 participants, 4 with all videos, 24 answers" in capsys.readouterr().out
+
+
+def test_the_export_holds_codes_and_no_label_of_a_video(capsys) -> None:
+    take_part([["fear"] * 6])
+    assert main(["study", "responses", "kit", "-o", "out.csv", "-q"]) == 0
+    assert capsys.readouterr().err == ""
+    text = Path("out.csv").read_text()
+    without = text.replace("fear", "").replace(open_kit(Path("kit")).orders["P001"][0], "")
+    for row in csv.DictReader(text.splitlines()):
+        without = without.replace(row["choices"].replace("fear", ""), "")
+    assert not any(label in without for label in LABELS)
+    assert "127.0.0.1" not in text
+
+
+def test_pilot_answers_are_kept_apart_and_left_out_of_the_analysis(capsys) -> None:
+    take_part([["fear"] * 6], pilot=True)
+    assert main(["study", "responses", "kit"]) == 2
+    assert capsys.readouterr().err == (
+        "kit/answers/answers.sqlite: no such file; expected answers: emovid study serve records them\n"
+    )
+    take_part([["anger"] * 6])
+    assert main(["study", "responses", "kit", "-o", "real.csv", "-q"]) == 0
+    assert main(["study", "responses", "kit", "--pilot", "-o", "pilot.csv", "-q"]) == 0
+    real, pilot = (list(csv.DictReader(Path(f"{name}.csv").read_text().splitlines())) for name in ("real", "pilot"))
+    assert {(row["participant"], row["mode"], row["response"]) for row in real} == {("p-0001", "study", "anger")}
+    assert {(row["participant"], row["mode"], row["response"]) for row in pilot} == {("pilot-0001", "pilot", "fear")}
+    mixed = read_responses([Path("real.csv"), Path("pilot.csv")], key=Path("kit/private/key.csv"))
+    assert set(mixed.answers["participant"]) == {"p-0001"}
+    assert mixed.dropped == {"test run": 1}
+
+
+def test_progress_counts_everybody_and_the_balance(capsys) -> None:
+    visitors = take_part([["fear"] * 6] * 4)
+    take_part([["fear"]], submit=False)
+    assert main(["study", "withdraw", "kit", readable(visitors[0].cookie), "-q"]) == 0
+    assert main(["study", "progress", "kit"]) == 0
+    out = capsys.readouterr().out
+    counts = dict(re.findall(r"^([a-z ]+?) +(\d+)$", out, re.MULTILINE))
+    # The clock of these participants is years behind this machine's, or ahead: the one who stopped is one of the two.
+    assert int(counts.pop("in progress")) + int(counts.pop("abandoned")) == 1
+    assert counts == {"enrolled": "5", "finished": "3", "withdrawn": "1", "answers": "19"}
+    assert "each row 0 to 1 times, each video 0 to 1 times in each place" in out
+    assert main(["study", "progress", "kit", "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert (said["finished"], said["places"], said["rows"]["P001"], said["rows"]["P002"]) == (3, [0, 1], 0, 1)
+
+
+def test_withdrawal_by_code_deletes_and_says_what_is_left_to_do(capsys) -> None:
+    (visitor,) = take_part([["fear"] * 6])
+    code = readable(visitor.cookie)
+    assert main(["study", "withdraw", "kit", code]) == 0
+    assert "former exports" in capsys.readouterr().err
+    _, store = open_survey(Path("kit"), pilot=False)
+    assert store.participants() == []
+    assert store.has_withdrawn(digest(visitor.cookie))
+    store.close()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["serve", "nowhere"], "nowhere: no such folder; expected a kit"),
+        (["responses", "nowhere"], "nowhere: no such folder; expected a kit"),
+        (["progress", "kit"], "kit/answers/answers.sqlite: no such file; expected answers: emovid study serve records "
+         "them"),
+        (["progress", "kit", "--pilot"], "kit/answers/pilot.sqlite: no such file; expected answers: emovid study serve "
+         "--pilot records them"),
+        (["responses", "kit", "-o", "kit"], "-o kit: is a folder; expected a file"),
+        (["serve", "kit", "--host", "256.0.0.1"], "--host 256.0.0.1: not an address of this machine"),
+    ],
+)  # fmt: skip
+def test_a_mistake_is_one_line(arguments, message, capsys) -> None:
+    assert main(["study", *arguments]) in (1, 2)
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith(message)
+    assert err.count("\n") == 1
+
+
+def test_without_the_extra_a_line_says_how_to_get_it(monkeypatch, capsys) -> None:
+    monkeypatch.setitem(sys.modules, "waitress.server", None)
+    monkeypatch.delitem(sys.modules, "emovid.survey.serve", raising=False)
+    assert main(["study", "serve", "kit"]) == 1
+    assert capsys.readouterr().err == "waitress.server is missing: pip install 'emovid[serve]'\n"
+
+
+def test_a_code_that_nobody_has_deletes_nothing(capsys) -> None:
+    take_part([["fear"] * 6])
+    for code in ("nonsense", "b" * 24):
+        assert main(["study", "withdraw", "kit", code]) == 2
+        assert capsys.readouterr().err.startswith(f"{code}: no participant has this code")
+    assert main(["study", "responses", "kit", "-o", "left.csv"]) == 0
+    assert "6 answers" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("what", ["orders", "video", "video of another size", "another kit's answers"])
+def test_a_kit_that_is_not_whole_is_not_served(what, capsys) -> None:
+    video = next(Path("kit/public/videos").iterdir())
+    if what == "orders":
+        Path("kit/orders.csv").unlink()
+    elif what == "video":
+        video.unlink()
+    elif what == "video of another size":
+        video.write_bytes(video.read_bytes()[:-1])
+    else:
+        take_part([["fear"] * 6])
+        manifest = Path("kit/public/manifest.json")
+        said = json.loads(manifest.read_text())
+        manifest.write_text(json.dumps(said | {"key_commitment": "0" * 64}))
+    assert main(["study", "serve", "kit", "--port", "0"]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert "expected" in err
+
+
+def test_the_server_says_where_it_is_answers_and_ends_on_a_signal(kit) -> None:
+    command = [sys.executable, "-m", "emovid", "study", "serve", str(kit), "--port", "0"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as server:
+        try:
+            said = server.stderr.readline()
+            address = re.match(r"(http://127\.0\.0\.1:\d+/): survey of ", said)
+            assert address, said
+            with urllib.request.urlopen(address[1]) as reply:  # noqa: S310 - it is http
+                assert "I agree and want to take part" in reply.read().decode()
+                assert reply.headers["Server"] == "emovid"
+            again = [*command[:-1], address[1].rsplit(":", 1)[1].strip("/")]
+            taken = subprocess.run(again, capture_output=True, text=True, check=False)
+            assert taken.returncode == 1
+            assert "address already in use" in taken.stderr
+            assert taken.stderr.count("\n") == 1
+        finally:
+            os.kill(server.pid, signal.SIGTERM)
+            left = server.stderr.read()
+    assert "Traceback" not in left
+    assert "private is not needed here" in left
+    assert server.returncode == 0
+    assert database_of(kit, pilot=False).is_file()

@@ -1,0 +1,21 @@
+"""The server is killed while people answer. The long form is `make bench-survey`."""
+
+from crowd import Crowd
+from killing import kill_under_load
+from served import serving
+
+
+def test_no_acknowledged_answer_is_lost_and_none_is_there_twice(kit) -> None:
+    outcome = kill_under_load(kit, duration=1.0, kills=6, people=12, seed=1)
+    assert outcome.failures == []
+    assert outcome.acknowledged >= 12 * 6
+    assert (outcome.kills, outcome.lost, outcome.twice) == (6, 0, 0)
+
+
+def test_many_come_at_once_and_none_sees_an_error(kit) -> None:
+    with serving(kit) as server:
+        crowd = Crowd(server.address, 40, duration=1.0)
+        crowd.start()
+        crowd.wait()
+    assert crowd.failures == []
+    assert all(person.submitted and len(person.acknowledged) == 6 for person in crowd.people)

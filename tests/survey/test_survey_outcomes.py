@@ -1,0 +1,283 @@
+"""What happens when: the table of docs/survey.md, row by row."""
+
+import csv
+import re
+
+import pytest
+from small_survey import LABELS
+from visitor import Visitor
+
+from emovid.survey.app import create_app
+from emovid.survey.codes import digest, readable
+from emovid.survey.export import responses_csv
+from emovid.survey.store import Store
+
+SIX = ["fear", "anger", "fear", "sadness", "disgust", "happiness"]
+
+
+def rows(store, opened) -> list[dict[str, str]]:
+    text = responses_csv(store, opened.manifest, pilot=False, release=7200)
+    return list(csv.DictReader(text.splitlines()))
+
+
+def responses(store, opened) -> list[str]:
+    return [row["response"] for row in rows(store, opened)]
+
+
+def test_from_consent_to_thanks_every_answer_is_in_the_export_with_its_events(visitor, store, opened) -> None:
+    someone = visitor()
+    assert "I agree and want to take part" in someone.get("/").text
+    someone.go_through(SIX)
+    page = someone.get("/thanks").text
+    assert "C0MPLETE" in page
+    assert 'href="https://example.org/back?study=1&amp;done=yes"' in page
+    found = rows(store, opened)
+    order, choices = opened.orders["P001"], opened.choices["P001"]
+    assert [row["video"] for row in found] == list(order)
+    assert [row["position"] for row in found] == list("123456")
+    assert [row["response"] for row in found] == SIX == [row["first_response"] for row in found]
+    for row in found:
+        shared = {name: row[name] for name in ("participant", "order_row", "status", "mode", "gender", "country")}
+        assert shared == {
+            "participant": "p-0001", "order_row": "P001", "status": "finished", "mode": "study", "gender": "Woman",
+            "country": "",
+        }  # fmt: skip
+        assert row["choices"] == "|".join(choices)
+        assert (row["plays"], row["watched_share"], row["changes"]) == ("1", "1.000", "0")
+        assert (row["device"], row["width"], row["height"]) == ("phone", "343", "193")
+        assert (row["frames"], row["dropped_frames"], row["consent_version"]) == ("10", "1", "1")
+    assert [row["answer_seconds"] for row in found] == [f"{n}.0" for n in range(1, 7)]
+
+
+def test_videos_come_one_at_a_time_in_the_row_s_order_with_the_row_s_choices(visitor, opened) -> None:
+    someone = visitor().begin()
+    for place in range(1, 7):
+        page = someone.get(f"/video/{place}").text
+        assert f'<h1 id="heading">Video {place} of 6</h1>' in page
+        assert re.findall(r"/media/(\w+)\.mp4", page) == [opened.orders["P001"][place - 1]]
+        assert tuple(re.findall(r'name="response" value="(\w+)"', page)) == opened.choices["P001"]
+        assert "playsinline" in page
+        assert "autoplay" not in page
+        if place < 6:
+            assert someone.get(f"/video/{place + 1}").location == f"/video/{place}"
+        assert someone.get("/review").location == f"/video/{place}"
+        someone.watch(place)
+        someone.answer(place, "fear")
+
+
+def test_who_declines_leaves_nothing(visitor, store) -> None:
+    someone = visitor()
+    reply = someone.post("/consent", consent="decline")
+    assert "You are not taking part" in reply.text
+    assert store.participants() == []
+    assert someone.get("/about").location == "/resume"
+
+
+def test_consent_that_is_given_twice_enrols_once(visitor, store, opened) -> None:
+    someone = visitor()
+    token = someone.token
+    for _ in range(3):
+        reply = someone.client.post("/consent", data={"form-token": token, "consent": "agree"})
+        assert reply.location == "/about"
+    assert len(store.participants()) == 1
+    store.enrol(digest(someone.cookie), opened.orders, opened.choices, "1", 60.0)  # as two requests at one time would
+    assert len(store.participants()) == 1
+
+
+def test_rows_go_round_as_participants_come(visitor, store, opened) -> None:
+    for _ in range(14):
+        visitor().post("/consent", consent="agree")
+    assert [person.order_row for person, _ in store.participants()] == [*opened.orders, "P001", "P002"]
+
+
+def test_a_required_question_without_an_answer_is_asked_again_with_what_was_said(visitor) -> None:
+    someone = visitor()
+    someone.post("/consent", consent="agree")
+    reply = someone.post("/about", country="Peru")
+    assert reply.status_code == 400
+    assert "Please answer this question." in reply.text
+    assert 'value="Peru"' in reply.text
+    assert someone.post("/about", gender="none of the choices").status_code == 400
+    assert someone.post("/about", gender="Man", country="Peru").location == "/instructions"
+    assert re.search(r'value="Man" checked', someone.get("/about").text)
+
+
+def test_answers_can_be_changed_until_submission_and_the_first_is_kept(visitor, store, opened) -> None:
+    someone = visitor().go_through(SIX, submit=False)
+    assert someone.chosen(2) == "anger"
+    assert someone.answer(2, "disgust").location == "/review"
+    assert someone.chosen(2) == "disgust"
+    someone.answer(2, "surprise")
+    someone.post("/submit")
+    row = rows(store, opened)[1]
+    assert (row["response"], row["first_response"], row["changes"]) == ("surprise", "anger", "2")
+
+
+def test_watching_again_counts_and_closes_nothing(visitor, store, opened) -> None:
+    someone = visitor().begin()
+    someone.watch(1)
+    someone.watch(1, seconds=0.2, share=0.2)
+    assert someone.answer(1, "fear").location == "/video/2"
+    assert rows(store, opened)[0]["plays"] == "2"
+    assert rows(store, opened)[0]["watched_share"] == "1.000"
+
+
+def test_a_double_submission_changes_nothing(visitor, store, opened) -> None:
+    someone = visitor().go_through(SIX)
+    before = rows(store, opened)
+    someone.clock.now += 10
+    assert someone.post("/submit").location == "/"
+    assert someone.answer(1, "surprise").location == "/thanks"
+    assert someone.post("/about", gender="Man").location == "/thanks"
+    assert rows(store, opened) == before
+
+
+def test_an_answer_that_comes_twice_is_one(visitor, store, opened) -> None:
+    someone = visitor().begin()
+    someone.watch(1)
+    for _ in range(3):
+        assert someone.answer(1, "fear").location == "/video/2"
+    assert [(row["response"], row["changes"]) for row in rows(store, opened)] == [("fear", "0")]
+
+
+def test_nothing_is_submitted_before_all_is_answered(visitor, store, opened) -> None:
+    someone = visitor().go_through(SIX[:5], submit=False)
+    someone.post("/submit")
+    assert someone.get("/").location == "/video/6"
+    assert {row["status"] for row in rows(store, opened)} == {"in progress"}
+
+
+def test_two_tabs_are_one_participant_and_the_later_answer_counts(visitor, store, opened) -> None:
+    someone = visitor().begin()
+    first_tab = someone.get("/video/1").text
+    someone.watch(1)
+    someone.answer(1, "fear")
+    token = re.search(r'value="([0-9a-f]{64})"', first_tab)[1]
+    assert someone.client.post("/video/1", data={"form-token": token, "response": "anger"}).location == "/video/2"
+    assert responses(store, opened) == ["anger"]
+
+
+def test_a_tab_left_open_after_submission_in_another_changes_nothing_and_is_led_to_the_thanks(visitor) -> None:
+    someone = visitor().go_through(SIX)
+    assert someone.get("/video/3").location == "/thanks"
+    assert someone.get("/review").location == "/thanks"
+    reply = someone.report("/video/3/play", play="0" * 16)
+    assert reply.status_code == 409
+
+
+def test_the_browser_s_back_button_shows_what_the_server_has(visitor) -> None:
+    someone = visitor().go_through(SIX[:3], submit=False)
+    for page in ("/about", "/instructions", "/video/1", "/video/2"):
+        reply = someone.get(page)
+        assert reply.status_code == 200
+        assert reply.headers["Cache-Control"] == "no-store"
+    assert someone.chosen(2) == SIX[1]
+
+
+def test_a_crash_of_the_browser_loses_no_acknowledged_answer(visitor) -> None:
+    someone = visitor().go_through(SIX[:3], submit=False)
+    again = visitor()
+    again.client.set_cookie("emovid", someone.cookie)
+    assert again.get("/").location == "/video/4"
+    assert [again.chosen(place) for place in (1, 2, 3)] == SIX[:3]
+
+
+def test_a_restart_of_the_server_is_not_noticed(visitor, store, opened, tmp_path, clock) -> None:
+    someone = visitor().go_through(SIX[:3], submit=False)
+    token, cookie = someone.token, someone.cookie
+    store.close()
+    again = Store(tmp_path / "answers.sqlite", opened.manifest.key_commitment, clock)
+    later = Visitor(create_app(opened, again), clock)
+    later.client.set_cookie("emovid", cookie)
+    assert later.token == token  # a form from before the restart is still good
+    assert later.get("/").location == "/video/4"
+    for place, response in enumerate(SIX[3:], start=4):
+        later.watch(place)
+        later.answer(place, response)
+    later.post("/submit")
+    assert responses(again, opened) == SIX
+    again.close()
+
+
+def test_an_expired_cookie_is_asked_for_the_code_which_leads_back(visitor, store, opened) -> None:
+    someone = visitor().go_through(SIX[:2], submit=False)
+    code = re.search(r'id="own-code"[^>]*>([a-z0-9-]+)<', someone.get("/video/3").text)[1]
+    elsewhere = visitor()
+    assert elsewhere.get("/video/3").location == "/resume"
+    assert elsewhere.post("/video/3", response="fear").status_code == 403
+    assert elsewhere.post("/resume", code=f"  {code.upper()} ").location == "/"
+    assert elsewhere.get("/").location == "/video/3"
+    assert elsewhere.chosen(2) == SIX[1]
+    assert len(store.participants()) == 1
+
+
+def test_the_code_is_in_no_address_that_the_server_sees(visitor) -> None:
+    someone = visitor().begin()
+    code = readable(someone.cookie)
+    for page in ("/instructions", "/video/1"):
+        assert re.findall(rf'href="([^"]*){code}"', someone.get(page).text) == ["/resume#"]
+
+
+@pytest.mark.parametrize("code", ["", "nonsense", "b" * 24, "' OR 1=1 --", "b" * 5000])
+def test_an_unknown_code_is_said_so_and_takes_nothing_away(visitor, code) -> None:
+    someone = visitor().begin()
+    cookie = someone.cookie
+    reply = someone.post("/resume", code=code)
+    assert reply.status_code == 404
+    assert "This code is not known" in reply.text
+    assert someone.cookie == cookie
+    assert someone.get("/").location == "/video/1"
+
+
+def test_a_cookie_that_no_participant_has_is_a_visitor_s(visitor) -> None:
+    someone = visitor()
+    someone.client.set_cookie("emovid", "bcdf" * 6)
+    assert "I agree" in someone.get("/").text
+    assert someone.get("/video/1").location == "/resume"
+
+
+def test_withdrawal_deletes_and_every_later_step_says_so(visitor, store, opened) -> None:
+    someone, other = visitor().go_through(SIX), visitor().go_through(SIX)
+    code, cookie = readable(someone.cookie), someone.cookie
+    assert f'value="{code}"' in someone.get("/withdraw").text
+    assert "Your answers were deleted" in someone.post("/withdraw", code=code).text
+    assert {row["participant"] for row in rows(store, opened)} == {"p-0002"}
+    assert "I agree" in someone.get("/").text
+    assert "Your answers were deleted" in someone.post("/withdraw", code=code).text
+    assert someone.post("/resume", code=code).status_code == 410
+    assert someone.post("/withdraw", code="b" * 24).status_code == 404
+    tab = visitor()
+    tab.client.set_cookie("emovid", cookie)
+    assert tab.post("/video/1", response="fear").status_code == 403
+    assert tab.post("/consent", consent="agree").status_code == 403
+    assert "I agree" in tab.get("/").text
+    assert tab.post("/consent", consent="agree").location == "/about"
+    assert other.get("/").location == "/thanks"
+
+
+def test_the_next_person_at_the_same_computer_is_another_participant(visitor, store) -> None:
+    computer = visitor().go_through(SIX)
+    assert "Start for another person" in computer.get("/new").text
+    assert computer.post("/new").location == "/"
+    computer.go_through(SIX)
+    assert [person.order_row for person, _ in store.participants()] == ["P001", "P002"]
+
+
+def test_an_abandoned_row_is_given_again_and_who_comes_back_loses_nothing(visitor, store, opened, clock) -> None:
+    gone = visitor().go_through(SIX[:2], submit=False)
+    clock.now += 7201
+    assert {row["status"] for row in rows(store, opened)} == {"abandoned"}
+    visitor().post("/consent", consent="agree")
+    assert [person.order_row for person, _ in store.participants()] == ["P001", "P001"]
+    assert gone.get("/").location == "/video/3"
+    assert gone.chosen(1) == SIX[0]
+
+
+def test_without_javascript_a_page_says_what_it_needs(visitor) -> None:
+    assert "<noscript><p" in visitor().begin().get("/video/1").text
+
+
+def test_answers_about_all_labels_are_taken(visitor, store, opened) -> None:
+    visitor().go_through(list(LABELS))
+    assert responses(store, opened) == list(LABELS)
+    assert store.find(digest("b" * 24)) is None

@@ -1,0 +1,236 @@
+import os
+import signal
+import sqlite3
+import stat
+import subprocess
+import sys
+
+import pytest
+
+from emovid.errors import InputError
+from emovid.survey.codes import digest
+from emovid.survey.gate import Play
+from emovid.survey.records import Participant, Screen
+from emovid.survey.store import Store
+
+ORDERS = {"P001": ("vvv", "www"), "P002": ("www", "vvv")}
+CHOICES = dict.fromkeys(ORDERS, ("fear", "anger"))
+SCREEN = Screen("phone", 343, 193)
+
+
+def enrolled(store: Store, code: str = "code") -> Participant:
+    store.enrol(digest(code), ORDERS, CHOICES, "1", 60.0)
+    found = store.find(digest(code))
+    assert found is not None
+    return found
+
+
+def watched(store: Store, person: Participant, place: int) -> bool:
+    store.show(person.id, place)
+    store.start_play(person.id, place, f"play{place}", SCREEN)
+    store.clock.now += 2
+    return store.end_play(person.id, place, f"play{place}", 1.0, (20, 0), 2.0)
+
+
+@pytest.fixture
+def small(tmp_path, clock):
+    made = Store(tmp_path / "small" / "answers.sqlite", "commitment", clock)
+    yield made
+    made.close()
+
+
+def test_a_database_is_its_owner_s_alone_and_writes_through(small, tmp_path) -> None:
+    files = list((tmp_path / "small").iterdir())
+    assert files
+    assert {stat.S_IMODE(file.stat().st_mode) for file in files} == {0o600}
+    with small._data.reading() as sql:
+        said = {name: sql.execute(f"PRAGMA {name}").fetchone()[0] for name in ("journal_mode", "synchronous")}
+        assert said == {"journal_mode": "wal", "synchronous": 2}  # FULL
+
+
+def test_the_code_itself_is_nowhere_in_the_files(small, tmp_path) -> None:
+    enrolled(small, "a-code-to-be-found")
+    small.close()
+    assert b"a-code-to-be-found" not in b"".join(file.read_bytes() for file in (tmp_path / "small").iterdir())
+
+
+def test_what_was_recorded_is_there_when_the_file_is_opened_again(small, tmp_path, clock) -> None:
+    person = enrolled(small)
+    small.tell(person.id, {"gender": "Woman"})
+    small.instruct(person.id)
+    assert watched(small, person, 1)
+    assert small.answer(person.id, 1, "fear", {"confidence": 3})
+    before, secret = small.find(digest("code")), small.secret
+    small.close()
+    again = Store(tmp_path / "small" / "answers.sqlite", "commitment", clock)
+    assert again.find(digest("code")) == before
+    assert again.secret == secret
+    again.close()
+
+
+def test_of_changes_the_last_counts_the_first_is_kept_and_a_repetition_is_none(small) -> None:
+    person = enrolled(small)
+    watched(small, person, 1)
+    for response in ("fear", "fear", "anger", "anger", "fear"):
+        small.clock.now += 1
+        assert small.answer(person.id, 1, response, {})
+    answer = small.find(digest("code")).answers[1]
+    assert (answer.response, answer.first, answer.changes) == ("fear", "fear", 2)
+    assert answer.given - answer.first_given == 4
+
+
+def test_an_answer_counts_only_when_watched_and_not_submitted_and_not_withdrawn(small) -> None:
+    person = enrolled(small)
+    assert not small.answer(person.id, 1, "fear", {})
+    small.show(person.id, 1)
+    assert not small.answer(person.id, 1, "fear", {})
+    for place in (1, 2):
+        watched(small, person, place)
+        assert not small.submit(person.id)
+        assert small.answer(person.id, place, "fear", {})
+    assert small.submit(person.id)
+    ended = small.find(digest("code")).submitted
+    small.clock.now += 5
+    assert small.submit(person.id)
+    assert small.find(digest("code")).submitted == ended
+    assert not small.answer(person.id, 1, "anger", {})
+    small.tell(person.id, {"gender": "Man"})
+    assert small.find(digest("code")).about is None
+    assert small.withdraw(digest("code"))
+    assert not small.answer(person.id, 1, "anger", {})
+    assert not small.submit(person.id)
+
+
+def test_a_play_that_is_reported_twice_is_one_and_a_clock_put_back_makes_nobody_wait(small) -> None:
+    person = enrolled(small)
+    small.show(person.id, 1)
+    for _ in range(2):
+        small.start_play(person.id, 1, "one", SCREEN)
+    small.clock.now -= 3600
+    small.start_play(person.id, 1, "two", SCREEN)
+    assert small.play(person.id, 1, "one") == Play(small.clock.now, 0.0)
+    small.clock.now += 2
+    assert small.end_play(person.id, 1, "two", 1.0, (60, 2), 2.0)
+    ((_, viewings),) = small.participants()
+    assert (viewings[1].plays, viewings[1].frames, viewings[1].screen) == (2, (60, 2), SCREEN)
+
+
+def test_the_gate_stays_open_once_it_was(small) -> None:
+    person = enrolled(small)
+    assert watched(small, person, 1)
+    small.start_play(person.id, 1, "again", SCREEN)
+    assert small.end_play(person.id, 1, "again", 0.1, (0, 0), 2.0)
+    assert small.find(digest("code")).opened == {1}
+
+
+def test_plays_beyond_the_most_fill_no_disk(small, monkeypatch) -> None:
+    monkeypatch.setattr("emovid.survey.store._MOST_PLAYS", 5)
+    person = enrolled(small)
+    small.show(person.id, 1)
+    for n in range(8):
+        small.start_play(person.id, 1, str(n), SCREEN)
+    ((_, viewings),) = small.participants()
+    assert viewings[1].plays == 5
+
+
+def test_an_abandoned_row_is_given_again_and_one_that_is_in_use_or_finished_is_not(small) -> None:
+    first, second = enrolled(small, "a"), enrolled(small, "b")
+    assert (first.order_row, second.order_row) == ("P001", "P002")
+    for place in (1, 2):
+        watched(small, first, place)
+        small.answer(first.id, place, "fear", {})
+    small.submit(first.id)
+    small.clock.now += 61
+    assert enrolled(small, "c").order_row == "P002"
+    assert small.find(digest("b")).order_row == "P002"  # who comes back has what he had
+    assert enrolled(small, "d").order_row == "P001"
+
+
+def test_withdrawal_leaves_nothing_in_any_file_and_no_number_is_given_again(small, tmp_path) -> None:
+    person = enrolled(small)
+    small.tell(person.id, {"country": "Liechtenstein"})
+    watched(small, person, 1)
+    small.answer(person.id, 1, "anger", {})
+    assert small.withdraw(digest("code"))
+    assert small.withdraw(digest("code"))
+    assert not small.withdraw(digest("nobody"))
+    assert small.find(digest("code")) is None
+    assert small.has_withdrawn(digest("code"))
+    assert small.withdrawals() == 1
+    with small._data.reading() as sql:
+        tables = ("participants", "views", "plays", "answers")
+        assert [sql.execute(f"SELECT * FROM {table}").fetchall() for table in tables] == [[]] * 4  # noqa: S608
+    assert enrolled(small, "next").id == person.id + 1
+    assert b"Liechtenstein" not in b"".join(file.read_bytes() for file in (tmp_path / "small").iterdir())
+
+
+def test_a_copy_made_while_it_runs_holds_all_that_was_recorded(small, tmp_path, clock) -> None:
+    person = enrolled(small)
+    small.tell(person.id, {"gender": "Woman"})
+    with sqlite3.connect(tmp_path / "small" / "answers.sqlite") as other:
+        other.execute("VACUUM INTO ?", (str(tmp_path / "backup.sqlite"),))
+    other.close()
+    restored = Store(tmp_path / "backup.sqlite", "commitment", clock)
+    assert restored.find(digest("code")) == small.find(digest("code"))
+    restored.close()
+
+
+def test_a_failed_change_is_undone_as_a_whole(small) -> None:
+    def change() -> None:
+        with small._data.writing() as sql:
+            sql.execute("INSERT INTO withdrawn VALUES ('x', 1)")
+            raise KeyError
+
+    with pytest.raises(KeyError):
+        change()
+    assert small.withdrawals() == 0
+
+
+@pytest.mark.parametrize("what", ["text", "other", "folder"])
+def test_a_file_that_is_not_this_kit_s_is_refused_and_left_alone(what, tmp_path) -> None:
+    path = tmp_path / "answers.sqlite"
+    if what == "text":
+        path.write_text("not a database, and long enough to be taken for none " * 20)
+    elif what == "other":
+        Store(path, "another").close()
+    else:
+        path.mkdir()
+    before = path.read_bytes() if path.is_file() else None
+    with pytest.raises(Exception, match=r"answers\.sqlite") as raised:
+        Store(path, "commitment")
+    assert raised.type is InputError or what == "folder"
+    if what == "text":
+        assert path.read_bytes() == before
+
+
+KILLED = """
+import itertools, sys
+from pathlib import Path
+from emovid.survey.records import Screen
+from emovid.survey.store import Store
+store = Store(Path(sys.argv[1]), "commitment")
+store.enrol("digest", {"P001": ("vvv",)}, {"P001": ("fear",)}, "1", 60.0)
+person = store.find("digest").id
+store.show(person, 1)
+store.start_play(person, 1, "one", Screen("phone", 1, 1))
+store.end_play(person, 1, "one", 1.0, (0, 0), 1e-9)
+for number in itertools.count():
+    assert store.answer(person, 1, f"answer {number}", {})
+    print(number, flush=True)
+"""
+
+
+def test_what_was_acknowledged_before_a_kill_is_there_after_it(tmp_path) -> None:
+    path = tmp_path / "answers.sqlite"
+    script = [sys.executable, "-c", KILLED, str(path)]
+    with subprocess.Popen(script, stdout=subprocess.PIPE, text=True) as process:
+        for line in process.stdout:
+            if int(line) == 25:
+                os.kill(process.pid, signal.SIGKILL)
+                break
+        acknowledged = max([25, *(int(line) for line in process.stdout)])
+    with sqlite3.connect(path) as sql:
+        said = [text for (text,) in sql.execute("SELECT response FROM answers ORDER BY id")]
+    sql.close()
+    assert said[: acknowledged + 1] == [f"answer {n}" for n in range(acknowledged + 1)]
+    assert len(said) <= acknowledged + 2  # one more may have been on its way
