@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from emovid.cli import kit
+from emovid.cli import kit, survey
 from emovid.cli.options import Json, Quiet
 from emovid.errors import InputError
 
@@ -23,6 +23,8 @@ app = typer.Typer(help="Analyse a study, plan one, rehearse one; make what it sh
 app.command()(kit.build)
 app.command()(kit.audit)
 app.command()(kit.export)
+for command in (survey.serve, survey.responses, survey.progress, survey.withdraw):
+    app.command()(command)
 
 Key = Annotated[
     Path | None, typer.Option("--key", help="CSV with video_code,true_emotion, for blinded codes.", show_default=False)

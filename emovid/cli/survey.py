@@ -27,7 +27,7 @@ def serve(
     pilot: Pilot = False,
     https: Annotated[bool, typer.Option("--https", help="A proxy in front speaks TLS: cookies by TLS only.")] = False,
     release_after: Release = 120,
-    quiet: Quiet = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but the address and errors.")] = False,
 ) -> None:
     """Show a kit to participants as a web survey, until Ctrl-C. Answers are kept in KIT/answers/.
 

@@ -9,13 +9,14 @@ from emovid.kit.orders import Scheme
 from emovid.kit.pages import Consent, Item, Language, Name, Ratings, Text, Texts, Thanks
 from emovid.scene.fields import MAX_DURATION, Keys, inconsistent
 from emovid.scene.video import MAX_FPS
+from emovid.study.dialects.own import FIRST, RECORDED
 from emovid.study.errors import StudyError
 from emovid.study.labels import NONE, Labels, plain
 
 MAX_VIDEOS = 200
 _COMMON = ("video", "video.size", "video.fps", "video.format", "duration", "emotion")  # the study's to say
 _FACTS = ("video_code", "true_emotion", "source", "exemplar", "seed", "mirror", "half_turn", "turn")  # of a stimulus
-_TAKEN = ("participant", "response", "video", "video_code", "position", "signalled", "perceived")  # columns of the data
+_TAKEN = (*FIRST, *RECORDED, "video_code", "signalled", "perceived")  # columns of the data
 
 SceneKeys = dict[str, Any]
 

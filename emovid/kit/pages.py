@@ -96,3 +96,35 @@ class Texts(Keys):
     save: Text = Field("Save the answers", description="button at the end, where no server keeps them")
     code: Text = Field("Your completion code:", description="before the code")
     back: Text = Field("Return to the recruitment service", description="of the link at the end")
+    # Of the survey that emovid serves, besides most of the above.
+    place: Text = Field("Video {place} of {count}", description="heading of a video's page")
+    skip: Text = Field("Skip to the content", description="link that the keyboard meets first")
+    pause: Text = Field("Pause", description="button, while a video plays")
+    earlier: Text = Field("Back", description="link to the page before")
+    motion: Text = Field(
+        "The videos show many small shapes that move, some of them fast. If this makes you feel unwell, pause the "
+        "video or stop.",
+        description="notice of motion, before the first video",
+    )
+    keep_code: Text = Field(
+        "Keep this code to continue later or on another device, or to have your answers deleted:",
+        description="before the participant's own code",
+    )
+    resume: Text = Field("Continue with your code", description="link and heading")
+    your_code: Text = Field("Your code", description="of the field for it")
+    unknown_code: Text = Field("This code is not known. Please check it.")
+    missing: Text = Field("Please answer this question.", description="at a question without an answer")
+    review: Text = Field("Your answers", description="heading, after the last video")
+    review_text: Text = Field("You can change your answers until you submit them.", description="under it")
+    change: Text = Field("Change", description="link to a video's page, from there")
+    finish: Text = Field("Submit all answers", description="button that ends the survey")
+    withdraw: Text = Field("Delete my answers", description="link, heading and button")
+    withdraw_text: Text = Field("All that was recorded of you will be deleted. This cannot be undone.")
+    withdrawn: Text = Field("Your answers were deleted. You may close this window.")
+    another: Text = Field("Start for another person", description="button, where several share a computer")
+    wait: Text = Field("One moment.", description="while the server is asked")
+    offline: Text = Field("No connection to the survey. Trying again.")
+    no_script: Text = Field("This page needs JavaScript to show the video. Please turn it on and reload the page.")
+    out_of_date: Text = Field("This page was out of date; what it sent was not recorded. Please go on from here.")
+    not_found: Text = Field("There is no such page.")
+    failed: Text = Field("Something went wrong. All answers submitted before are kept. Please try again.")

@@ -3,7 +3,7 @@
 import csv
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from emovid.errors import InputError
@@ -56,15 +56,20 @@ def open_kit(path: Path, key: Path | None = None) -> Kit:
     Raises:
         InputError: for a folder that is no finished kit, and for files of it that cannot be meant.
     """
+    kit = open_public(path)
+    file = key or kit.folder.key
+    found = read_key(file, Labels(kit.labels)) if key or file.is_file() else {}
+    return replace(kit, key=found, study=_study(kit.folder))
+
+
+def open_public(path: Path) -> Kit:
+    """Return a finished kit without a look into its private folder, key and study left empty. Raises as `open_kit`."""
     folder = KitFolder(path)
     if not path.is_dir():
         raise InputError(f"{path}: no such folder; expected a kit")
     manifest, unknown = read_manifest(folder.manifest)
-    labels = [answer.label for answer in manifest.choices.labels if answer.label != NONE]
-    file = key or folder.key
-    found = read_key(file, Labels(labels)) if key or file.is_file() else {}
     orders, choices = _orders(folder.orders) if folder.orders.exists() else ({}, {})
-    return Kit(folder, manifest, tuple(unknown), orders, choices, found, _study(folder))
+    return Kit(folder, manifest, tuple(unknown), orders, choices, {}, None)
 
 
 def _orders(path: Path) -> tuple[dict[str, Order], dict[str, Order]]:

@@ -34,11 +34,13 @@ class Database:
         make_folder(path.parent)
         try:
             os.close(os.open(path, os.O_RDWR | os.O_CREAT, _OWNER_ONLY))
-            self._connection = sqlite3.connect(path, timeout=_BUSY, isolation_level=None, check_same_thread=False)
-            self._set_up(commitment)
         except OSError as error:
             raise EmovidError(f"{path}: cannot be opened: {reason(error)}") from None
+        self._connection = sqlite3.connect(path, timeout=_BUSY, isolation_level=None, check_same_thread=False)
+        try:
+            self._set_up(commitment)
         except sqlite3.DatabaseError as error:
+            self.close()
             raise InputError(f"{path}: {error}; expected the database of a survey") from None
         if self._fact("commitment") != commitment:
             self.close()

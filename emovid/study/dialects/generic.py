@@ -1,4 +1,4 @@
-"""Tables of no tool in particular, and our own survey's: a row for each answer, or a column for each video."""
+"""Tables of no tool in particular: a row for each answer, or a column for each video."""
 
 from collections.abc import Mapping, Sequence
 
@@ -13,7 +13,6 @@ from emovid.study.key import code_of
 from emovid.study.labels import plain
 from emovid.study.tables import Table
 
-_OWN = ("participant", "video", "position", "response")
 _LEFT_OUT = {
     "test run": ("test", "pilot", "debug"),
     "preview": ("preview", "survey preview"),
@@ -23,15 +22,10 @@ _LEFT_OUT = {
 }
 
 
-def recognises_own(table: Table, known: Known) -> bool:
-    """Return whether a table is our own survey's export."""
-    return table.names[: len(_OWN)] == _OWN and not _is_mapped_wide(known)
-
-
 def recognises_long(table: Table, known: Known) -> bool:
     """Return whether a table has a row for each answer: a column of videos and one of answers."""
     video = video_column(table, known)
-    return not _is_mapped_wide(known) and video is not None and answer_column(table, known, video) is not None
+    return not is_mapped_wide(known) and video is not None and answer_column(table, known, video) is not None
 
 
 def recognises_wide(table: Table, known: Known) -> bool:
@@ -39,8 +33,8 @@ def recognises_wide(table: Table, known: Known) -> bool:
     return bool(video_columns(table, known))
 
 
-def read_long(table: Table, known: Known) -> Raw:
-    """Read a table with a row for each answer."""
+def read_long(table: Table, known: Known, skip: Sequence[str] = ()) -> Raw:
+    """Read a table with a row for each answer; the columns of `skip` are no groups."""
     people = who(table, known, *PARTICIPANT)
     table, people = without(table, known, people, left_out(table))
     video = video_column(table, known)
@@ -51,7 +45,7 @@ def read_long(table: Table, known: Known) -> Raw:
     roles = {video: "video", answer: "answer", people.place: "participant", place: "order"}
     return Raw(
         answers_long(table, people.ids, video, answer, None if place is None else table.cells[place]),
-        groups_of(table, known, people.ids, roles),
+        groups_of(table, known, people.ids, {*roles, *(i for i, name in enumerate(table.names) if name in skip)}),
         table.rejected,
         people.dropped,
         {table.names[i]: role for i, role in roles.items() if i is not None},
@@ -99,7 +93,8 @@ def left_out(table: Table, reasons: Mapping[str, Column] | None = None) -> dict[
     return masks
 
 
-def _is_mapped_wide(known: Known) -> bool:
+def is_mapped_wide(known: Known) -> bool:
+    """Return whether map.yaml says which columns are videos."""
     return bool(known.mapping.videos or known.mapping.in_order)
 
 

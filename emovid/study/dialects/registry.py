@@ -12,6 +12,7 @@ from emovid.study.dialects import (
     limesurvey,
     microsoft_forms,
     otree,
+    own,
     psiturk,
     psychopy,
     pymushra,
@@ -53,7 +54,7 @@ DIALECTS = (
     Dialect("reVISit", revisit.recognises, revisit.read),
     Dialect("Google Forms", google_forms.recognises, google_forms.read),
     Dialect("Microsoft Forms", microsoft_forms.recognises, microsoft_forms.read),
-    Dialect("emovid survey", generic.recognises_own, generic.read_long),
+    Dialect("emovid survey", own.recognises, own.read),
     Dialect("long table", generic.recognises_long, generic.read_long),
     Dialect("wide table", generic.recognises_wide, generic.read_wide),
 )
