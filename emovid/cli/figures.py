@@ -8,8 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from emovid.cli.figure_sources import frames_of, measures_of, study_results
-from emovid.cli.options import Json, Quiet, Seed, settings
+from emovid.cli import completion
+from emovid.cli.figure_sources import measures_of, study_results
+from emovid.cli.gallery import GALLERY, gallery, steps
+from emovid.cli.moments import CONTACT, FRAMES, MOST, Moments, at_times
+from emovid.cli.options import Json, Quiet, Seed, Set, View, settings
 from emovid.errors import EmovidError, InputError, nearest
 
 if TYPE_CHECKING:
@@ -18,7 +21,8 @@ if TYPE_CHECKING:
     from emovid.scene.load import Setting
 
 FOLDER = Path("figures")
-EVERY, FRAMES = "all", "frames"
+EVERY = "all"
+OF_ANY = (FRAMES, CONTACT)  # figures of any scene
 _DEFAULT_FORMATS = ("pdf", "png", "tex", "md")
 
 
@@ -26,7 +30,10 @@ def figures(
     names: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="NAME", help="Names from --list; all; or frames and a scene or run.", show_default=False
+            metavar="NAME",
+            help="Names from --list; all; gallery; frames and a scene; contact-sheet and a scene or video.",
+            show_default=False,
+            autocompletion=completion.figure_names,
         ),
     ] = None,
     listed: Annotated[bool, typer.Option("--list", "-l", help="Say which figures there are.")] = False,
@@ -46,15 +53,23 @@ def figures(
         typer.Option("--study", help="Results of emovid study analyze.", show_default="the reference study"),
     ] = None,
     times: Annotated[
-        str | None, typer.Option("--times", help="Of frames, in seconds, as in 0,2,8.", show_default=False)
+        str | None,
+        typer.Option("--times", help="Of frames or a contact sheet, in seconds, as in 0,2,8.", show_default=False),
     ] = None,
+    count: Annotated[
+        int | None,
+        typer.Option("--count", help="So many times, evenly from start to end.", min=1, max=MOST, show_default=False),
+    ] = None,
+    pairs: Set = None,
+    view: View = None,
     seed: Seed = None,
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
     """Make the paper's figures and tables, ready for print.
 
-    Examples: emovid figures all · emovid figures shapes --format svg · emovid figures frames my.yaml --times 0,2,8
+    Examples: emovid figures all gallery · emovid figures shapes --format svg · emovid figures contact-sheet anger.mp4
+    · emovid figures frames my.yaml --times 0,2,8
     """
     from emovid.cli.progress import listing
     from emovid.figures.catalogue import CATALOGUE, MEASURES, STUDY, WIDTHS
@@ -67,23 +82,33 @@ def figures(
     if style is not None and style not in WIDTHS:
         raise InputError(f"--style {style}: expected {' or '.join(WIDTHS)}{nearest(style, WIDTHS)}")
     _check_formats(formats or [])
-    overrides, every = settings(None, seed), EVERY in (names or [])
-    asked = _in_formats(_asked(names or [], times, overrides, CATALOGUE), formats, strict=not every)
+    names = names or []
+    _check_options(names, formats or [], {"--times": times, "--count": count, "--set": pairs, "--view": view})
+    overrides, every, page = settings(pairs, seed, {"view": view}), EVERY in names, GALLERY in names
+    entries = _of_any(names, Moments(times, count), overrides) or _asked(names, CATALOGUE)
+    asked = _in_formats(entries, formats, strict=not every)
     tables = {STUDY: lambda _: study_results(study), MEASURES: measures_of}
     material = Material(overrides, tables)
-    faults = _faults(asked, material)
-    if faults and not every:
-        raise InputError(": ".join(next(iter(faults.items()))))
+    faults = _faults({**asked, **dict.fromkeys(CATALOGUE.values() if page else ())}, material)
+    named = [] if every else [entry.name for entry in asked if entry.name in faults]
+    if named:
+        raise InputError(f"{named[0]}: {faults[named[0]]}")
     work = {entry: suffixes for entry, suffixes in asked.items() if entry.name not in faults}
+    shown = [entry for entry in CATALOGUE.values() if page and entry.name not in faults]
     targets = {entry.name: [output / f"{entry.name}.{suffix}" for suffix in work[entry]] for entry in work}
+    targets |= {GALLERY: [output / f"{GALLERY}.html"]} if page else {}
     _make_room(output, [target for group in targets.values() for target in group])
-    with listing(len(work), quiet=quiet or as_json) as done:
+    with listing(len(work) + (steps(shown) if page else 0), quiet=quiet or as_json) as done:
         for entry, suffixes in work.items():
             made = entry.files(material, suffixes, WIDTHS[style] if style else None)
             for target, data in zip(targets[entry.name], made, strict=True):
                 with writing(target) as file:
                     file.write(data)
             done(f"{output / entry.name}: {', '.join(suffixes)}")
+        if page:
+            data = gallery(material, shown, lambda part: done(f"{output / GALLERY}: {part}"))
+            with writing(targets[GALLERY][0]) as file:
+                file.write(data)
     if as_json:
         written = {name: [str(target) for target in group] for name, group in targets.items()}
         typer.echo(json.dumps({"figures": written, "left_out": faults}, indent=2))
@@ -112,23 +137,37 @@ def _list(catalogue: "Mapping[str, Entry]", *, as_json: bool) -> None:
     for entry in catalogue.values():
         typer.echo(f"{entry.name:<27}{entry.paper:<11}{entry.caption}")
     typer.echo(f"{FRAMES + ' SCENE':<27}{'':<11}Snapshots of any scene or finished run, at any --times")
+    typer.echo(f"{CONTACT + ' SOURCE':<27}{'':<11}Frames of any video, scene or finished run, with their times")
+    typer.echo(f"{GALLERY:<27}{'':<11}All of these, the six videos and their scenes on one page, gallery.html")
 
 
-def _asked(
-    names: list[str], times: str | None, overrides: "Sequence[Setting]", catalogue: "Mapping[str, Entry]"
-) -> "list[Entry]":
+def _check_options(names: list[str], formats: Sequence[str], given: "Mapping[str, object]") -> None:
+    """Check that options which need a scene have one, those of figures a figure, and times one definition."""
+    for option, value in given.items():
+        if value is not None and not set(names) & set(OF_ANY):
+            raise InputError(f"{option} goes with {' or '.join(OF_ANY)}, and a scene")
+    if given["--times"] is not None and given["--count"] is not None:
+        raise InputError("--times and --count: expected one of them")
+    if formats and set(names) == {GALLERY}:
+        raise InputError(f"{GALLERY}: cannot be written as {' or '.join(formats)}; it is {GALLERY}.html")
+
+
+def _of_any(names: list[str], moments: Moments, overrides: "Sequence[Setting]") -> "list[Entry]":
+    """Return the figure of any scene or video, if one is meant."""
+    kinds = [name for name in names if name in OF_ANY]
+    return [at_times(kinds[0], [name for name in names if name != kinds[0]], moments, overrides)] if kinds else []
+
+
+def _asked(names: list[str], catalogue: "Mapping[str, Entry]") -> "list[Entry]":
     """Return the figures that are meant."""
     if not names:
-        raise InputError(f"expected names of figures, {EVERY}, or --list to see them")
-    if FRAMES in names:
-        return [frames_of([name for name in names if name != FRAMES], times, overrides)]
-    if times is not None:
-        raise InputError(f"--times goes with {FRAMES} and a scene")
+        raise InputError(f"expected names of figures, {EVERY}, {GALLERY}, or --list to see them")
     for name in names:
-        if name not in catalogue and name != EVERY:
-            close = nearest(name, [*catalogue, EVERY, FRAMES])
+        if name not in (*catalogue, EVERY, GALLERY):
+            close = nearest(name, [*catalogue, EVERY, GALLERY, *OF_ANY])
             raise InputError(f"{name}: no such figure{close}; --list shows them")
-    return list(catalogue.values()) if EVERY in names else [catalogue[name] for name in dict.fromkeys(names)]
+    chosen = catalogue if EVERY in names else dict.fromkeys(name for name in names if name != GALLERY)
+    return [catalogue[name] for name in chosen]
 
 
 def _check_formats(formats: Sequence[str]) -> None:

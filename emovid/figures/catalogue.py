@@ -22,12 +22,13 @@ from emovid.figures.frames import frames_figure, traces_figure
 from emovid.figures.interaction import interaction_figure
 from emovid.figures.material import Material
 from emovid.figures.robot import robot_figure
+from emovid.figures.robotarium import overhead_figure, perspective_figure
 from emovid.figures.shapes import shapes_figure
 from emovid.figures.study import answers_of, placed_answers_of, recognition_of
 from emovid.figures.style import DOUBLE_COLUMN, FORMATS, SINGLE_COLUMN, encoded
 from emovid.figures.tables import table_figure, table_latex, table_markdown
 from emovid.scene.emotions import EMOTIONS
-from emovid.scene.robots import BODIES
+from emovid.scene.robot_files import load_robot
 
 WIDTHS = {"one-column": SINGLE_COLUMN, "two-column": DOUBLE_COLUMN}  # in
 TEXTS: Mapping[str, Callable[[Table], str]] = MappingProxyType({"tex": table_latex, "md": table_markdown})
@@ -105,6 +106,18 @@ def _frames(emotion: str, number: int) -> Entry:
     )
 
 
+def _robotarium(view: str, number: int, said: str, draw: Callable[..., Figure]) -> Entry:
+    scenes = {emotion: f"robotarium/{emotion}" for emotion in EMOTIONS}
+
+    def parts(material: Material) -> Sequence[Any]:
+        runs = {emotion: material.run(scene) for emotion, scene in scenes.items()}
+        times = [material.scene(scene).snapshot_times or () for scene in scenes.values()]
+        return runs, [of_scene[-1] for of_scene in times]
+
+    caption = f"Six emotions by twelve GRITSBots X on the Robotarium, {said}"
+    return Entry(f"robotarium-{view}", f"Fig. {number}", caption, draw, parts, DOUBLE_COLUMN, tuple(scenes.values()))
+
+
 def _interaction(material: Material) -> Sequence[Any]:
     runs = [material.run(emotion) for emotion in _BOTH_LAWS]
     emotions = [EMOTIONS[emotion] for emotion in _BOTH_LAWS]
@@ -134,7 +147,7 @@ CATALOGUE: Mapping[str, Entry] = MappingProxyType(
                 "Fig. 1",
                 "The GRITSBot from above with its dimensions, as simulated and drawn",
                 robot_figure,
-                lambda _: (BODIES["gritsbot"],),
+                lambda _: (load_robot("gritsbot"),),
                 SINGLE_COLUMN,
             ),
             Entry(
@@ -182,6 +195,8 @@ CATALOGUE: Mapping[str, Entry] = MappingProxyType(
                 SINGLE_COLUMN,
                 tables=(STUDY,),
             ),
+            _robotarium("overhead", 13, "from overhead, with the trails of four", overhead_figure),
+            _robotarium("perspective", 14, "seen by a camera 1.70 m up", perspective_figure),
             Entry(
                 "shapes",
                 "Fig. 15",

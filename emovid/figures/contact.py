@@ -13,6 +13,7 @@ DPI = 300.0  # as figures are saved
 _GAP = 6  # pixels between pictures
 _MARGIN = 1.0  # between labels and edges [in units of the text's height]
 _LINE = 1.5 * TEXT / POINTS  # height of a line of text [in]
+_EDGE = _LINE / 2  # around the pictures [in]
 
 
 @in_style()
@@ -23,6 +24,7 @@ def contact_figure(
     row_title: str = "",
     column_title: str = "",
     captions: Sequence[str] = (),
+    width: float | None = None,
 ) -> Figure:
     """Draw pictures in rows and columns, a pixel of the file for each of theirs.
 
@@ -33,26 +35,26 @@ def contact_figure(
         row_title: what the rows' labels are values of.
         column_title: likewise, of the columns.
         captions: of the pictures, row by row, instead of labels.
+        width: of the figure [in], if it is to be wider than pictures and labels.
     """
     high, wide = pictures.shape[:2]
     if (len(rows), len(columns)) != (high, wide) and not captions:
         raise ValueError(f"{high} x {wide} pictures, {len(rows)} x {len(columns)} labels")
-    height, width = pictures.shape[2:4]
+    height, across = pictures.shape[2:4]
     below = round(_LINE * DPI) if captions else 0
     image = _joined(pictures, below)
     left = text_width(rows) / POINTS + (2.5 if row_title else 1.0) * _LINE
-    slanted = not captions and text_width(columns) > (width + _GAP) / DPI * POINTS - 4
+    slanted = not captions and text_width(columns) > (across + _GAP) / DPI * POINTS - 4
     top = (text_width(columns) / POINTS if slanted else _LINE) + (2.0 if column_title else 1.0) * _LINE
-    edge = _LINE / 2
     if captions:
-        left = top = edge
-    size = np.array([image.shape[1] / DPI + left + edge, image.shape[0] / DPI + top + edge])
+        left = top = _EDGE
+    size = np.array([max(image.shape[1] / DPI + left + _EDGE, width or 0), image.shape[0] / DPI + top + _EDGE])
     figure = Figure(figsize=(float(size[0]), float(size[1])))
-    bounds = (left / size[0], edge / size[1], image.shape[1] / DPI / size[0], image.shape[0] / DPI / size[1])
+    bounds = (left / size[0], _EDGE / size[1], image.shape[1] / DPI / size[0], image.shape[0] / DPI / size[1])
     axes = figure.add_axes(bounds)
     axes.imshow(image, interpolation="none", aspect="auto", extent=(0, image.shape[1], image.shape[0], 0))
     axes.set_axis_off() if captions else axes.spines[:].set_visible(False)
-    x = np.arange(wide) * (width + _GAP) + width / 2
+    x = np.arange(wide) * (across + _GAP) + across / 2
     y = np.arange(high) * (height + below + _GAP) + height / 2
     if captions:
         _caption(axes, x, y + height / 2 + below / 2, captions)
@@ -65,6 +67,18 @@ def contact_figure(
     axes.set_xlabel(column_title)
     axes.set_ylabel(row_title)
     return figure
+
+
+def picture_width(columns: int, width: float) -> int:
+    """Return how wide pictures with captions may be [pixels], so many beside each other in a figure of `width` [in]."""
+    return int(((width - 2 * _EDGE) * DPI - (columns - 1) * _GAP) / columns + 1e-9)
+
+
+def in_rows(pictures: NDArray[np.uint8], columns: int) -> NDArray[np.uint8]:
+    """Return pictures (P, height, width, 3) in rows (R, columns, height, width, 3), the last filled up with white."""
+    missing = -len(pictures) % columns
+    blank = np.full((missing, *pictures.shape[1:]), 255, np.uint8)
+    return np.concatenate([pictures, blank]).reshape(-1, columns, *pictures.shape[1:])
 
 
 def _joined(pictures: NDArray[np.uint8], below: int) -> NDArray[np.uint8]:

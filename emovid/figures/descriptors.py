@@ -13,14 +13,14 @@ from emovid.figures.style import DOUBLE_COLUMN, EMOTION_COLOURS, FAINT, in_style
 SHOWN = {
     "speed_mean": "mean\nspeed\n[m/s]",
     "speed_peak": "peak\nspeed\n[m/s]",
-    "distance_travelled": "distance\ntravelled\n[m]",
+    "distance_travelled": "distance\ntraveled\n[m]",
     "turning_per_metre": "turning\n[rad/m]",
     "sharp_corner_share": "sharp\ncorners\n[share]",
     "cusps_per_second": "cusps\n[1/s]",
     "sparc": "smoothness\n(SPARC)",
     "hull_area_share_end": "hull at\nthe end\n[share]",
     "hull_circularity": "roundness\nof the hull",
-    "nearest_neighbour_end": "nearest\nneighbour\n[m]",
+    "nearest_neighbour_end": "nearest\nneighbor\n[m]",
     "distance_to_boundary_end": "boundary\ndistance\n[m]",
 }
 _APART = 0.64  # of two axes [in], so that their texts do not touch

@@ -7,9 +7,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from emovid.figures.style import INK, SINGLE_COLUMN, in_style
-from emovid.figures.top_view import LINE, draw_lines, draw_robots, panels, write_below
-from emovid.scene.robots import BODIES
-from emovid.scene.video import Colours
+from emovid.figures.top_view import LINE, PAPER, draw_lines, draw_robots, panels, write_below
+from emovid.scene.robot_files import load_robot
 from emovid.swarm.arrays import Array
 from emovid.swarm.unicycle import look_ahead, move, near_identity
 
@@ -97,14 +96,14 @@ def following_figure(runs: Sequence[Following], path: Array = PATH, *, width: fl
         width: of the figure [in].
     """
     shown = np.concatenate([path, *(run.poses[:, :2] for run in runs)])
-    room = 1.1 * BODIES["gritsbot"].radius
+    room = 1.1 * load_robot("gritsbot").radius
     bounds = np.array([shown.min(axis=0) - room, shown.max(axis=0) + room])
     figure, axes = panels(bounds, len(runs), 1, width, below=LINE)
     for panel, run in zip(axes, runs, strict=True):
         colour = _RED if run.l is None else _BLUE
         panel.plot(*path.T, color=INK, linewidth=0.6, linestyle=(0, (4, 3)), zorder=2.5, label="path")
         draw_lines(panel, [run.poses[:, :2]], [colour], _TRACE)
-        body = BODIES["single_integrator" if run.l is None else "gritsbot"]
-        draw_robots(panel, body, run.poses[-1:], [colour], Colours())
+        body = load_robot("single_integrator" if run.l is None else "gritsbot")
+        draw_robots(panel, body, run.poses[-1:], [colour], PAPER)
         write_below(panel, "single integrator" if run.l is None else f"unicycle, $l$ = {1000 * run.l:g} mm")
     return figure

@@ -4,8 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
-from emovid.scene.load import Setting, load_scene
+from emovid.scene.load import Setting, load_scene, scene_text, shipped_scene
 from emovid.scene.model import Scene
+from emovid.scene.shipped import read_text
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
 
@@ -31,6 +32,10 @@ class Material:
         if emotion not in self._scenes:
             self._scenes[emotion] = load_scene(emotion, self._settings)
         return self._scenes[emotion]
+
+    def text(self, emotion: str) -> str:
+        """Return that scene as YAML: the file as it ships, or all keys where some are replaced."""
+        return scene_text(self.scene(emotion)) if self._settings else read_text(shipped_scene(emotion))
 
     def run(self, emotion: str) -> Trajectory:
         """Return the run of that scene."""

@@ -19,8 +19,9 @@ def robot_figure(body: Body, *, width: float = SINGLE_COLUMN) -> Figure:
         body: of the robot; its lengths are what is written.
         width: of the figure [in].
     """
-    half, base, wheel = body.width / 2, body.wheel_base / 2, body.wheel_radius
-    side = base + body.wheel_width / 2
+    assert body.wheels is not None  # it has two
+    half, base, wheel = body.width / 2, body.wheel_base / 2, body.wheels.radius
+    side = base + body.wheels.width / 2
     gap = 0.2 * body.width
     bounds = np.array([[-2.6 * half, -half - 2.2 * gap], [2.6 * half, side + 1.8 * gap]])
     figure, axes = drawing(bounds, width, _HIGHEST)

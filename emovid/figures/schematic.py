@@ -14,7 +14,7 @@ from emovid.swarm.arrays import Array
 
 THIN, THICK = 0.6, 1.2  # widths of lines [pt]
 LINEAR, ANGULAR = "#1f6fb4", "#c9501c"  # of v, of omega
-PALE = Colours(body="#d5d8de", wheels="#8d93a0", front="#ffffff")  # of a robot that is drawn upon
+PALE = Colours(body="#d5d8de", wheels="#8d93a0", front="#ffffff", stage="#ffffff")  # of a robot that is drawn upon
 _HEAD = 7.0  # size of an arrow's head [pt]
 _BEYOND = 2.0  # by which an extension line passes its dimension line [pt]
 

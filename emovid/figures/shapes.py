@@ -20,6 +20,7 @@ from emovid.swarm.trajectory import Trajectory
 AGENT, TARGET, ARROW = "#c0281f", INK, "#1f6fb4"
 _AGENT_SIZE, _TARGET_SIZE = 3.6, 2.2  # diameters [pt]
 _ARROWS = 3
+_HEADS, _HEAD_SHARE = (2.5, 5.0), 0.5  # smallest and largest head of an arrow [pt]; of its length in between
 _SHORT = 5.0  # arrows shorter than this are shown enlarged too [pt]
 _LARGER = 5.0  # times
 _INSET = 0.3  # side of the enlarged part by the panel's width
@@ -89,8 +90,9 @@ def _draw_moment(axes: Axes, contour: Contour, arrows: Array, t: float) -> None:
     """Draw the contour, the agents, their targets, and some of the arrows between."""
     draw_contour(axes, contour, t)
     for agent, target in arrows[np.arange(_ARROWS) * len(arrows) // _ARROWS]:
+        head = np.clip(_HEAD_SHARE * np.hypot(*(target - agent)) * scale_of(axes), *_HEADS)
         arrow = FancyArrowPatch(
-            tuple(agent), tuple(target), arrowstyle="-|>", mutation_scale=5, shrinkA=0, shrinkB=_TARGET_SIZE / 2
+            tuple(agent), tuple(target), arrowstyle="-|>", mutation_scale=head, shrinkA=0, shrinkB=_TARGET_SIZE / 2
         )
         arrow.set(color=ARROW, linewidth=0.9, zorder=3.5, joinstyle="miter", capstyle="butt")
         axes.add_patch(arrow)
@@ -142,8 +144,9 @@ def _draw_radii(axes: Axes, contour: Contour, moments: Sequence[float], dots: Ar
         crest = _clearest(centre, contour.R + contour.A / 2, crests, dots)
         draw_arrow(axes, centre + contour.R * crest, centre + (contour.R + contour.A) * crest, QUIET, THIN, _BRACKET)
         write_math(axes, centre + (contour.R + contour.A + 0.8 * room) * crest, "$A$", QUIET)
-    names = [r"$R_{\min}$", r"$R_{\max}$"] if isinstance(contour, ExpandingCircle) else ["$R$"]
-    for name, t, middle in zip(names, moments, (255, 35), strict=False):
+    two = isinstance(contour, ExpandingCircle)
+    names = {r"$R_{\min}$": 285, r"$R_{\max}$": 35} if two else {"$R$": 255}  # and about where [degrees]
+    for (name, middle), t in zip(names.items(), moments, strict=True):
         r = contour.R if isinstance(contour, CircularSinusoid) else float(radius(contour, np.zeros(1), t)[0])
         along = _clearest(centre, r, np.radians(middle + np.arange(-18.0, 19.0, 3.0)), dots)
         draw_arrow(axes, centre, centre + r * along, QUIET, THIN)

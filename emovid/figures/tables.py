@@ -1,6 +1,7 @@
 """Tables in print: as booktabs LaTeX, as Markdown, and as a picture."""
 
 from collections.abc import Sequence
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -8,6 +9,7 @@ from matplotlib.figure import Figure
 
 from emovid.figures.attributes import Cell, Table, cited, named
 from emovid.figures.style import DOUBLE_COLUMN, INK, POINTS, QUIET, TEXT, heading, in_style, text_width
+from emovid.swarm.arrays import Array
 
 _MARKS = ("†", "‡", "§")
 _LATEX_MARKS = (r"\textsuperscript{\dag}", r"\textsuperscript{\ddag}", r"\textsuperscript{\S}")
@@ -17,6 +19,7 @@ _LATEX_ESCAPES = str.maketrans(
 _RULES = {"toprule": 0.8, "midrule": 0.5, "bottomrule": 0.8}  # widths [pt], as those of booktabs
 _LINE = 1.22 * TEXT  # from one line to the next [pt]
 _ABOVE, _GAP, _EDGE = 3.5, 10.0, 2.0  # over a row, between columns, beside the outer ones [pt]
+_STEP = 4.0  # between widths of columns that are tried [pt]
 _SHARE = 0.9  # height of the letters above and below their line's middle, of the distance of lines
 
 
@@ -112,25 +115,41 @@ def _drawn(written: Sequence[_Line], rules: Sequence[tuple[float, str]], width: 
     return figure
 
 
-def _column_widths(table: Table, room: float) -> np.ndarray:
-    """Return the widths [pt] of the columns: as their text needs, or the room shared in proportion to that."""
+def _column_widths(table: Table, room: float) -> Array:
+    """Return the widths [pt] of the columns: as their text needs, or those that make the fewest lines."""
     names = [heading(name) for _, rows in table.groups for name, _ in rows]
-    first = text_width([table.columns[0], *names, *(title for title, _ in table.groups)])
-    needs = [first]
-    for j, name in enumerate(table.columns[1:]):
-        cells = [cells[j] for _, rows in table.groups for _, cells in rows]
-        needs.append(text_width([name, *(text for cell in cells for text in (_marked(cell, _MARKS), named(cell)))]))
-    widths = np.array(needs) + 1
-    spare = room - _GAP * (len(widths) - 1) - widths.sum()
-    if spare >= 0:
-        return widths + spare / len(widths) * (np.arange(len(widths)) > 0)
-    rest = room - _GAP * (len(widths) - 1) - widths[0]
-    return np.concatenate([widths[:1], widths[1:] * rest / widths[1:].sum()])
+    first = text_width([table.columns[0], *names, *(title for title, _ in table.groups)]) + 1
+    room -= first + _GAP * (len(table.columns) - 1)
+    columns = [[cells[j] for _, rows in table.groups for _, cells in rows] for j in range(len(table.columns) - 1)]
+    texts = [
+        [name, *(text for cell in cells for text in (_marked(cell, _MARKS), _source(cell)))]
+        for name, cells in zip(table.columns[1:], columns, strict=True)
+    ]
+    widths = np.array([text_width(column) + 1 for column in texts])
+    if widths.sum() > room:
+        narrowest = [text_width(word for text in column for word in text.split(" ")) + 1 for column in texts]
+        widths = _fewest_lines(columns, narrowest, widths, room)
+    return np.concatenate([[first], widths + (room - widths.sum()) / len(widths)])
+
+
+def _fewest_lines(columns: Sequence[Sequence[Cell]], narrowest: Sequence[float], widest: Array, room: float) -> Array:
+    """Return the widths [pt], from `narrowest` to `widest`, in which columns of cells have the fewest lines in all."""
+    tried = [np.arange(least, most + _STEP, _STEP) for least, most in zip(narrowest, widest, strict=True)]
+    heights = [
+        {width: [len(_lines_of(cell, width)) for cell in cells] for width in widths}
+        for cells, widths in zip(columns, tried, strict=True)
+    ]
+
+    def lines(widths: Sequence[float]) -> int:
+        return int(np.max([made[width] for made, width in zip(heights, widths, strict=True)], axis=0).sum())
+
+    fit = [widths for widths in product(*tried) if sum(widths) <= room] or [tuple(narrowest)]
+    return np.array(min(fit, key=lines))
 
 
 def _lines_of(cell: Cell, width: float) -> list[tuple[str, str]]:
     """Return the lines of a cell: its text and, quieter, its source."""
-    source = named(cell)
+    source = _source(cell)
     parts = [source] if text_width([source]) <= width else source.split("; ")  # one to a line, then
     quiet = [(line, QUIET) for part in parts for line in _wrapped(part, width)]
     return [*((line, INK) for line in _wrapped(_marked(cell, _MARKS), width)), *quiet] or [("–", QUIET)]
@@ -139,12 +158,17 @@ def _lines_of(cell: Cell, width: float) -> list[tuple[str, str]]:
 def _wrapped(text: str, width: float) -> list[str]:
     """Return the text in lines no wider than `width` [pt], unless a word is."""
     lines: list[str] = []
-    for word in text.split():
+    for word in text.split(" ") if text else []:
         if lines and text_width([f"{lines[-1]} {word}"]) <= width:
             lines[-1] += f" {word}"
         else:
             lines.append(word)
     return lines
+
+
+def _source(cell: Cell) -> str:
+    """Return the source of a cell, held together from "et al." to its year."""
+    return named(cell).replace("et al. ", "et\N{NO-BREAK SPACE}al.\N{NO-BREAK SPACE}")
 
 
 def _marked(cell: Cell, marks: Sequence[str]) -> str:

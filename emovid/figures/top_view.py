@@ -29,6 +29,7 @@ _THINNEST = 0.4  # width of a trail where a panel is small [pt]
 _HALO = 0.4  # width of the light rim that lifts a robot off the trails [pt]
 _FLATNESS = 0.03  # by which a trail may stray from its arcs [pt]
 _SLICE = 1.0  # seconds of a trail drawn in one go, as in the videos
+PAPER = THEMES["light"].model_copy(update={"stage": "#ffffff", "surround": "#ffffff"})
 # Any: the stubs lack parse_math.
 _AT: Any = {"xycoords": "axes fraction", "textcoords": "offset points", "annotation_clip": False, "parse_math": True}
 
@@ -67,15 +68,23 @@ def panels(
 
 
 def stage_panels(
-    stage: Stage, count: int, columns: int, width: float, *, above: float = 0.0, below: float = 0.0, gap: float = _GAP
+    stage: Stage,
+    count: int,
+    columns: int,
+    width: float,
+    colours: Colours = PAPER,
+    *,
+    above: float = 0.0,
+    below: float = 0.0,
+    gap: float = _GAP,
 ) -> tuple[Figure, list[Axes]]:
-    """Return panels that each show the whole stage, its outline drawn. See `panels`."""
+    """Return panels that each show the whole stage in the colours of the boundary and the stage. See `panels`."""
     corners = corners_of(stage)
     point = np.ptp(corners[:, 0]) * min(columns, count) / (width * POINTS)  # m, about
     bounds = np.array([corners.min(axis=0) - 0.75 * _EDGE * point, corners.max(axis=0) + 0.75 * _EDGE * point])
     figure, made = panels(bounds, count, columns, width, above=above, below=below, gap=gap)
     for axes in made:
-        draw_stage(axes, stage)
+        draw_stage(axes, stage, colours)
     return figure, made
 
 
@@ -96,11 +105,10 @@ def write_above(axes: Axes, text: str) -> None:
     axes.annotate(text, (0.5, 1), xytext=(0, LINE - 2), ha="center", va="top", **_AT)
 
 
-def draw_stage(axes: Axes, stage: Stage) -> None:
-    """Draw the outline of the stage."""
-    outline = Polygon(
-        corners_of(stage), fill=False, edgecolor=THEMES["light"].boundary, linewidth=_EDGE, joinstyle="round", zorder=1
-    )
+def draw_stage(axes: Axes, stage: Stage, colours: Colours = PAPER) -> None:
+    """Draw the outline of the stage, and fill it, unless it is as white as the paper."""
+    outline = Polygon(corners_of(stage), edgecolor=colours.boundary, linewidth=_EDGE, joinstyle="round", zorder=1)
+    outline.set(fill=colours.stage != PAPER.stage, facecolor=colours.stage)
     axes.add_patch(outline)
 
 
@@ -144,7 +152,7 @@ def slices(trajectory: Trajectory, robots: Sequence[int], since: float, until: f
 
 def draw_robots(axes: Axes, body: Body, poses: Array, bodies: Sequence[str], colours: Colours) -> None:
     """Draw robots at poses (N, 3), bodies in colours of their own, as vector outlines."""
-    kinds = {"rim": ["white"], "wheels": [colours.wheels], "body": list(bodies), "front": [colours.front]}
+    kinds = {"rim": [colours.stage], "wheels": [colours.wheels], "body": list(bodies), "front": [colours.front]}
     parts = {"rim": robot_rim(body, _HALO / scale_of(axes)), **robot_parts(body)}
     for name, part in parts.items():
         drawn = PathCollection(_placed(part, poses), facecolors=kinds[name], edgecolors="none", linewidths=0)
@@ -159,8 +167,8 @@ def draw_swarm(axes: Axes, trajectory: Trajectory, t: float) -> None:
 
 
 def print_colours(scene: Scene) -> Colours:
-    """Return the scene's own colours, over those of the light theme: paper is white."""
-    return scene.video.colours.over(THEMES["light"])
+    """Return the colours of the scene's videos; a light stage that has no colour of its own is as white as paper."""
+    return scene.video.colours.over(PAPER if scene.video.theme == "light" else THEMES[scene.video.theme])
 
 
 def body_colours(scene: Scene) -> list[str]:

@@ -33,7 +33,7 @@ def width_of(png: str) -> float:
 def test_the_list_has_a_line_for_each_figure(capsys) -> None:
     assert main(["figures", "--list"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == [*CATALOGUE, "frames"]
+    assert [line.split()[0] for line in lines] == [*CATALOGUE, "frames", "contact-sheet", "gallery"]
     for line, entry in zip(lines, CATALOGUE.values(), strict=False):
         assert entry.paper in line
         assert line.endswith(entry.caption)
@@ -133,7 +133,7 @@ def test_what_a_study_lacks_is_left_out_of_all(capsys, monkeypatch) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ([], "expected names of figures, all, or --list to see them"),
+        ([], "expected names of figures, all, gallery, or --list to see them"),
         (["anger-frame"], "anger-frame: no such figure (did you mean anger-frames?); --list shows them"),
         (["gritsbot", "zzz"], "zzz: no such figure; --list shows them"),
         (["gritsbot", "--format", "pfd"], "--format pfd: expected one of pdf, png, svg, tex, md (did you mean pdf?)"),
@@ -142,7 +142,11 @@ def test_what_a_study_lacks_is_left_out_of_all(capsys, monkeypatch) -> None:
             ["gritsbot", "--style", "two-colum"],
             "--style two-colum: expected one-column or two-column (did you mean two-column?)",
         ),
-        (["gritsbot", "--times", "0"], "--times goes with frames and a scene"),
+        (["gritsbot", "--times", "0"], "--times goes with frames or contact-sheet, and a scene"),
+        (["gritsbot", "--set", "seed=1"], "--set goes with frames or contact-sheet, and a scene"),
+        (["gallery", "--format", "pdf"], "gallery: cannot be written as pdf; it is gallery.html"),
+        (["galery"], "galery: no such figure (did you mean gallery?); --list shows them"),
+        (["gallery", "-o", "full"], "full/gallery.html: is a folder; expected a file that can be replaced"),
         (["frames"], "frames: expected one scene: a file (.yaml), a finished run (.npz), or an emotion"),
         (
             ["frames", "fear", "anger"],
@@ -153,7 +157,7 @@ def test_what_a_study_lacks_is_left_out_of_all(capsys, monkeypatch) -> None:
         (["frames", "fear", "--times", "-1"], "--times -1: -1 s is outside the run of 0 to 15 s"),
         (["frames", "fear", "--times", "0,nan"], "--times 0,nan: nan s is outside the run of 0 to 15 s"),
         (["frames", "fear", "--times", "0;2"], "--times 0;2: expected seconds with commas between, as in 0,2,8"),
-        (["frames", "fear", "--times", ",".join(25 * "1")], "--times: 25 times; expected at most 24"),
+        (["frames", "fear", "--times", ",".join(101 * "1")], "--times: 101 times; expected at most 100"),
         (["frames", "none.npz"], "none.npz: cannot be read: no such file or directory"),
         (["circumplex", "--study", "none.json"], "none.json: cannot be read: no such file or directory"),
         (["gritsbot", "-o", "file"], "-o file: is a file; expected a folder"),
@@ -164,6 +168,7 @@ def test_what_a_study_lacks_is_left_out_of_all(capsys, monkeypatch) -> None:
 def test_a_mistake_is_one_line_and_leaves_nothing(capsys, arguments, message) -> None:
     Path("file").write_text("as it was")
     Path("full/gritsbot.png").mkdir(parents=True)
+    Path("full/gallery.html").mkdir()
     assert main(["figures", *arguments]) == 2
     said = capsys.readouterr()
     assert (said.err, said.out) == (message + "\n", "")

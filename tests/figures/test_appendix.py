@@ -17,7 +17,8 @@ from emovid.figures.following import LARGE_L, PATH, SMALL_L, follow, following_f
 from emovid.figures.interaction import interaction_figure, neighbours
 from emovid.figures.robot import robot_figure
 from emovid.figures.shapes import arrows_of, expanded, shapes_figure
-from emovid.scene.robots import BODIES, Body
+from emovid.scene.robot_files import load_robot
+from emovid.scene.robots import Body
 from emovid.swarm.contours import followed_points, start_angles
 from emovid.swarm.coverage import corners_of
 from emovid.swarm.simulate import simulate
@@ -47,10 +48,12 @@ def arrows(axes: Axes, colour: tuple[float, ...] | None = None) -> list[tuple[np
 
 
 def test_the_robot_has_the_dimensions_of_its_model() -> None:
-    assert sorted(word for word in words(robot_figure(BODIES["gritsbot"])) if "mm" in word) == [
+    assert sorted(word for word in words(robot_figure(load_robot("gritsbot"))) if "mm" in word) == [
         *("10 mm", "30 mm", "30 mm", "35 mm")
     ]
-    other = Body(width=0.1, corner=0.01, wheel_radius=0.016, wheel_width=0.004, wheel_base=0.105, steers=True)
+    keys = load_robot("gritsbot").model_dump()
+    keys["shape"] |= {"length": 0.1, "width": 0.1}
+    other = Body.model_validate(keys | {"wheels": {"radius": 0.016, "width": 0.004, "base": 0.105}})
     figure = robot_figure(other)
     assert sorted(word for word in words(figure) if "mm" in word) == ["100 mm", "100 mm", "105 mm", "32 mm"]
     lengths = [1000 * np.linalg.norm(tip - tail) for tail, tip in arrows(figure.axes[0])]
@@ -87,7 +90,7 @@ def test_the_velocity_of_the_look_ahead_point_is_drawn_with_its_parts(turn) -> N
     u = u if turn > 0 else np.array([0.06, -0.01])
     command = near_identity(u[None], pose[None, 2], K, l)[0]
     assert np.sign(command[1]) == turn
-    figure = diffeomorphism_figure(pose, command, BODIES["gritsbot"], l)
+    figure = diffeomorphism_figure(pose, command, load_robot("gritsbot"), l)
     ahead = look_ahead(np.array([[0, 0, pose[2]]]), l)[0]
     drawn = [tip - tail for tail, tip in arrows(figure.axes[0]) if np.allclose(tail, ahead)]
     v, across, whole = drawn

@@ -16,6 +16,8 @@ from matplotlib.text import Text
 from pdf import all_fonts_are_embedded_truetype, font_sizes, objects, page_box
 
 from emovid.cli.figure_sources import measures_of, study_results
+from emovid.cli.gallery import GALLERY
+from emovid.cli.moments import CONTACT, FRAMES
 from emovid.errors import InputError
 from emovid.figures.catalogue import CATALOGUE, MEASURES, STUDY, TEXTS, WIDTHS
 from emovid.figures.material import Material
@@ -66,6 +68,8 @@ def test_a_pdf_has_the_width_of_its_style_and_embeds_truetype_of_8_points(name, 
     pdf = (folder / f"{name}.pdf").read_bytes()
     left, bottom, width, height = page_box(pdf)
     assert (left, bottom, width) == (0, 0, pytest.approx(CATALOGUE[name].width * 72, abs=0.01))
+    rows = int.from_bytes((folder / f"{name}.png").read_bytes()[20:24], "big")
+    assert height == pytest.approx(rows / 300 * 72, abs=0.5)
     assert 72 < height < 9 * 72
     assert all_fonts_are_embedded_truetype(pdf)
     assert 8.0 in font_sizes(pdf) <= TEXT_SIZES
@@ -110,9 +114,7 @@ def test_text_is_readable_in_both_widths(name, style, material) -> None:
 
 def test_names_numbers_and_captions_are_those_of_the_paper() -> None:
     numbers = [entry.paper for entry in CATALOGUE.values()]
-    assert [number for number in numbers if number.startswith("Fig")] == [
-        f"Fig. {n}" for n in (*range(1, 13), 15, 16, 17)
-    ]
+    assert [number for number in numbers if number.startswith("Fig")] == [f"Fig. {n}" for n in range(1, 18)]
     assert [number for number in numbers if number.startswith("Table")] == ["Table I", "Table II", "Table III"]
     for entry in CATALOGUE.values():
         assert re.fullmatch(r"[A-Z][^\n]{20,100}[^.\n]", entry.caption)
@@ -132,6 +134,12 @@ def test_the_page_on_figures_says_for_each_how_to_make_it_and_what_makes_it() ->
         assert paper == (entry.paper or "none")
         module = importlib.import_module(path.removesuffix(".py").replace("/", "."))
         assert getattr(module, function) is entry.draw
+    others = re.findall(
+        r"^\| [^|`]+ \| `emovid figures ([a-z-]+)[^`]*` \| `([^`]+)`: `([^`]+)` \|$", page, re.MULTILINE
+    )
+    assert [name for name, _, _ in others] == [FRAMES, CONTACT, GALLERY]
+    for _, path, function in others:
+        assert callable(getattr(importlib.import_module(path.removesuffix(".py").replace("/", ".")), function))
 
 
 def test_material_is_made_once(monkeypatch) -> None:

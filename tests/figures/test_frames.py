@@ -11,6 +11,7 @@ from emovid.figures.frames import frames_figure, traces_figure
 from emovid.figures.style import DOUBLE_COLUMN, SINGLE_COLUMN
 from emovid.figures.top_view import slices
 from emovid.looks import trailed_robots
+from emovid.scene.video import THEMES
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
 
@@ -46,7 +47,7 @@ def test_every_robot_is_drawn_where_it_is_and_heads_where_it_does(run) -> None:
         ahead = np.array([front[:3].mean(axis=0) for front in fronts]) - poses[:, :2]
         assert np.arctan2(ahead[:, 1], ahead[:, 0]) == pytest.approx(poses[:, 2])
         assert len(part(axes, "wheels").get_paths()) == len(part(axes, "rim").get_paths()) == 15
-    assert [word for word in words(figure) if word.startswith("t")] == ["t = 0 s", "t = 0.7 s", "t = 2.5 s"]
+    assert [word for word in words(figure) if word.startswith("$t")] == ["$t$ = 0 s", "$t$ = 0.7 s", "$t$ = 2.5 s"]
 
 
 def test_five_robots_have_trails_from_their_starts_to_where_they_are(run) -> None:
@@ -80,14 +81,18 @@ def test_robots_have_the_colours_of_their_trails(run) -> None:
     assert len(set(bodies)) == 6
 
 
-def test_a_dark_scene_is_printed_on_white_in_the_colours_of_the_light_theme(make_scene) -> None:
+def test_a_dark_stage_is_printed_dark_and_a_light_one_as_white_as_the_paper(make_scene) -> None:
     keys = {"duration": 1, "robots": 3, "video.colours.body": "#112233"}
-    axes = [
-        frames_figure(simulate(make_scene("fear", keys | {"video.theme": theme})), [1]).axes[0]
-        for theme in ("light", "dark")
-    ]
-    colours = [[part(each, name).get_facecolor().tolist() for name in ("body", "wheels", "front")] for each in axes]
-    assert colours[0] == colours[1]
+    for theme, face, rim in (("light", None, "#ffffff"), ("dark", "#1b1d22", "#1b1d22")):
+        axes = frames_figure(simulate(make_scene("fear", keys | {"video.theme": theme})), [1]).axes[0]
+        (stage,) = [patch for patch in axes.patches if isinstance(patch, Polygon)]
+        assert stage.get_fill() == (face is not None)
+        assert face in (None, to_hex(stage.get_facecolor()))
+        assert to_hex(part(axes, "rim").get_facecolor()[0]) == rim
+        assert to_hex(part(axes, "front").get_facecolor()[0]) == THEMES[theme].front
+    own = simulate(make_scene("fear", keys | {"video.colours.stage": "#ffeecc"}))
+    (stage,) = [patch for patch in frames_figure(own, [1]).axes[0].patches if isinstance(patch, Polygon)]
+    assert to_hex(stage.get_facecolor()) == "#ffeecc"
 
 
 def test_the_scene_says_how_many_robots_leave_trails_and_how_long_these_stay(make_scene) -> None:

@@ -4,7 +4,7 @@ import pytest
 from matplotlib.text import Text
 
 from emovid.figures.attributes import ATTRIBUTES, BEHAVIOURS, PAPER, SOURCES, Cell, Table, cited, named
-from emovid.figures.style import SINGLE_COLUMN
+from emovid.figures.style import SINGLE_COLUMN, text_width
 from emovid.figures.tables import table_figure, table_latex, table_markdown
 from emovid.scene.emotions import EMOTIONS
 
@@ -95,6 +95,19 @@ def test_the_picture_says_all_that_the_table_says(table, width) -> None:
         for cell in cells:
             assert set((cell.text + " " + named(cell)).replace(";", "").split()) <= {word.strip(";") for word in said}
     assert written.count("–") == sum(not cell.text for cells in rows(table).values() for cell in cells)
+
+
+def test_in_one_column_a_source_breaks_before_et_al_and_no_word_leaves_its_column() -> None:
+    figure = table_figure(ATTRIBUTES, width=SINGLE_COLUMN)
+    lines = [text for text in figure.findobj(Text) if text.get_text()]
+    assert not [line for line in lines if re.search(r"\bet$|\bal\.$|^\d{4}$", line.get_text())]
+    assert len([line for line in lines if re.search(r"et\sal\.\s\d{4}$", line.get_text())]) == 9
+    starts = sorted({line.get_position()[0] for line in lines})
+    assert len(starts) == 4
+    for line in lines:
+        start, end = line.get_position()[0], line.get_position()[0] + text_width([line.get_text()])
+        is_note = line.get_text()[0] in "†‡" or "decides" in line.get_text()
+        assert is_note or end < min((s for s in starts if s > start), default=SINGLE_COLUMN * 72)
 
 
 def test_what_the_paper_does_not_apply_is_marked() -> None:
