@@ -8,19 +8,22 @@
 Usage: python benchmarks/peers.py [ROUNDS]
 """
 
-import os
-import resource
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 from statistics import median
+from typing import Literal
 
+from processes import cost
+
+from emovid.scene.load import load_scene
+from emovid.swarm.simulate import simulate
 from emovid.video.encode import ffmpeg
+from emovid.video.render import frames, video_arguments
+from emovid.video.yuv import Yuv420
 
 CPU_LIMIT, WALL_LIMIT = 8.0, 12.0
-ENVIRONMENT = {"MPLBACKEND": "Agg", "OPENBLAS_NUM_THREADS": "1"}  # the latter as `emovid` sets it, for all alike
 
 ANIMATION = """
 import sys
@@ -116,29 +119,39 @@ env.end(0, suffix=".mp4", fps=30)
 """
 
 
-def cost(command: list[str], folder: Path) -> tuple[float, float]:
-    """Return the processor time of a command and all it starts, and its wall time [s]."""
-    before, started = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
-    subprocess.run(command, cwd=folder, check=True, capture_output=True, env=os.environ | ENVIRONMENT)
-    wall, after = time.perf_counter() - started, resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, wall
-
-
 def render(*arguments: str) -> list[str]:
     """Return the command that renders anger."""
     return [sys.executable, "-m", "emovid", "render", "--emotion", "anger", "--force", "--quiet", *arguments]
 
 
-def compare(what: str, ours: list[str], theirs: list[str], column: int, limit: float, rounds: int, folder: Path) -> str:
-    """Return a row of the table: medians of rounds in which the two take turns to be first."""
+def compare(
+    what: str, ours: list[str], theirs: list[str], used: Literal["cpu", "wall"], limit: float, rounds: int, folder: Path
+) -> tuple[str, float]:
+    """Return a row of the table, from rounds in which the two take turns to be first, and the others' median [s]."""
     pairs = []
     for k in range(rounds):
         first, second = (theirs, ours) if k % 2 else (ours, theirs)
-        times = [cost(command, folder)[column] for command in (first, second)]
+        times = [getattr(cost(command, folder), used) for command in (first, second)]
         pairs.append(times[::-1] if k % 2 else times)
     mine, other = (median(times) for times in zip(*pairs, strict=True))
     ratio = median(b / a for a, b in pairs)
-    return f"{what:<38}{mine:>8.2f} s{other:>10.2f} s{ratio:>8.1f}   at least {limit:g}"
+    return f"{what:<38}{mine:>8.2f} s{other:>10.2f} s{ratio:>8.1f}   at least {limit:g}", other
+
+
+def encoding_alone(rounds: int, folder: Path) -> float:
+    """Return the processor time of ffmpeg alone, handed the frames of anger as `emovid` converts them, the median [s].
+
+    What a program that draws and converts for nothing would still take.
+    """
+    run = simulate(load_scene("anger"))
+    video = run.scene.video
+    whole = [(0, video.height, 0, video.width)]
+    command = [ffmpeg(), *video_arguments(video), "alone.mp4"]
+    times = []
+    for _ in range(rounds):
+        convert = Yuv420(video.width, video.height).convert
+        times.append(cost(command, folder, (convert(frame, whole).data for frame in frames(run))).cpu)
+    return median(times)
 
 
 def ir_sim(folder: Path) -> list[str] | None:
@@ -162,12 +175,18 @@ def main() -> None:
         folder = Path(name)
         animation = [sys.executable, "-c", ANIMATION, "theirs.mp4"]
         ours = render("-o", "ours.mp4")
-        print(compare("FuncAnimation.save", ours, [*animation, ffmpeg()], 0, CPU_LIMIT, rounds, folder), flush=True)
+        row, whole = compare("FuncAnimation.save", ours, [*animation, ffmpeg()], "cpu", CPU_LIMIT, rounds, folder)
+        print(row, flush=True)
         ours = [sys.executable, "-c", DRAWING]
-        print(compare("the same, not encoded", ours, [*animation, "none"], 0, CPU_LIMIT, rounds, folder), flush=True)
+        row, _ = compare("the same, not encoded", ours, [*animation, "none"], "cpu", CPU_LIMIT, rounds, folder)
+        print(row, flush=True)
+        encoder = encoding_alone(rounds, folder)
+        most = f"more than {whole / encoder:.1f} times less than FuncAnimation.save is out of reach with it"
+        print(f"the encoder alone takes {encoder:.2f} s: {most}", flush=True)
         if command := ir_sim(folder):
             clip = render("-o", "ours.mp4", "--set", "duration=12")
-            print(compare("ir-sim, 12 s of 15 robots, wall time", clip, command, 1, WALL_LIMIT, rounds, folder))
+            what = "ir-sim, 12 s of 15 robots, wall time"
+            print(compare(what, clip, command, "wall", WALL_LIMIT, rounds, folder)[0])
         else:
             print("ir-sim: not measured, since it cannot be installed from here")
 

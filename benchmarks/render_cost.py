@@ -8,22 +8,24 @@ Usage: python benchmarks/render_cost.py [ROUNDS]
 """
 
 import json
-import os
 import resource
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from itertools import pairwise
 from math import log, sqrt
 from pathlib import Path
 from statistics import median
 
+from processes import ENVIRONMENT, Cost, cost
+
 from emovid.scene.load import Setting, load_scene
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
 from emovid.video.encode import ffmpeg
-from emovid.video.render import frames, render_video, video_arguments
+from emovid.video.render import frames, frames_checksum, render_video, video_arguments
 
 VIDEOS = (("1280x720", 30), ("1920x1080", 60))
 ROBOTS = (15, 150, 1500, 10_000)
@@ -37,12 +39,10 @@ def seconds_of(who: int) -> float:
     return used.ru_utime + used.ru_stime
 
 
-def emovid_render(size: str, fps: int, folder: Path) -> float:
-    """Return the processor time of the command and of all it starts [s]."""
-    before = seconds_of(resource.RUSAGE_CHILDREN)
+def emovid_render(size: str, fps: int, folder: Path) -> Cost:
+    """Return what the command costs, with all that it starts."""
     command = [sys.executable, "-m", "emovid", "render", "--emotion", "anger", "--size", size, "--fps", str(fps)]
-    subprocess.run([*command, "--quiet", "--force", "-o", str(folder / "ours.mp4")], check=True)
-    return seconds_of(resource.RUSAGE_CHILDREN) - before
+    return cost([*command, "--quiet", "--force", "-o", "ours.mp4"], folder)
 
 
 def ffmpeg_alone(run: Trajectory, folder: Path) -> float:
@@ -51,28 +51,48 @@ def ffmpeg_alone(run: Trajectory, folder: Path) -> float:
     arguments[arguments.index("yuv420p")] = "rgba"
     filters = arguments.index("-vf") + 1
     arguments[filters] = CONVERSION + arguments[filters]
-    before = seconds_of(resource.RUSAGE_CHILDREN)
-    command = [ffmpeg(), *arguments, str(folder / "alone.mp4")]
-    with subprocess.Popen(command, stdin=subprocess.PIPE) as process:
-        assert process.stdin
-        for frame in frames(run):
-            process.stdin.write(frame.data)
-    assert process.returncode == 0
-    return seconds_of(resource.RUSAGE_CHILDREN) - before
+    return cost([ffmpeg(), *arguments, "alone.mp4"], folder, (frame.data for frame in frames(run))).cpu
 
 
 def compare(size: str, fps: int, rounds: int, folder: Path) -> str:
     """Return a row of the first table: medians of rounds in which the two take turns to be first."""
     run = simulate(load_scene("anger", [Setting("video.size", size, ""), Setting("video.fps", fps, "")]))
-    pairs = []
+    pairs, memory = [], 0.0
     for k in range(rounds):
         alone = ffmpeg_alone(run, folder) if k % 2 else 0.0
         ours = emovid_render(size, fps, folder)
-        pairs.append((ours, alone or ffmpeg_alone(run, folder)))
+        pairs.append((ours.cpu, alone or ffmpeg_alone(run, folder)))
+        memory = max(memory, ours.memory)
     ratios = sorted(ours / alone for ours, alone in pairs)
     ours, alone = (median(column) for column in zip(*pairs, strict=True))
     spread = f"{median(ratios):.2f} ({ratios[0]:.2f} to {ratios[-1]:.2f})"
-    return f"{f'{size}, {fps} fps':<20}{ours:>10.2f} s{alone:>13.2f} s   {spread:<22}{RATIO:.1f}"
+    times = f"{ours:>10.2f} s{alone:>13.2f} s"
+    return f"{f'{size}, {fps} fps':<20}{times}   {spread:<22}{RATIO:.1f}{memory:>8.0f} MB"
+
+
+def shares(folder: Path) -> str:
+    """Return where the processor time of rendering anger goes, each part measured alone, the median of three [s]."""
+    scene = load_scene("anger")
+    run = simulate(scene)
+    modules = "import emovid.cli.main, emovid.batch.make"
+    parts = {
+        "start": lambda: cost([sys.executable, "-c", modules]).cpu,
+        "simulation": lambda: seconds_here(lambda: simulate(scene)),
+        "drawing": lambda: seconds_here(lambda: frames_checksum(run)),
+    }
+    found = {name: median(part() for _ in range(3)) for name, part in parts.items()}
+    before = seconds_of(resource.RUSAGE_CHILDREN)
+    video = seconds_here(lambda: render_video(run, folder / "parts.mp4"))
+    found |= {"conversion and pipe": video - found["drawing"]}
+    found |= {"ffmpeg": seconds_of(resource.RUSAGE_CHILDREN) - before}
+    return ", ".join(f"{name} {used:.2f} s" for name, used in found.items())
+
+
+def seconds_here(work: Callable[[], object]) -> float:
+    """Return the processor time that some work takes in this process [s]."""
+    before = seconds_of(resource.RUSAGE_SELF)
+    work()
+    return seconds_of(resource.RUSAGE_SELF) - before
 
 
 def swarm(robots: int) -> None:
@@ -81,6 +101,7 @@ def swarm(robots: int) -> None:
     keys = {"robots": robots, "stage.width": 1.2 * wide, "stage.height": 0.8 * wide, "duration": 2.0}
     keys |= {"start": {"place": "stage", "min_spacing": 0.06}}
     scene = load_scene("fear", [Setting(key, value, "") for key, value in keys.items()])
+    simulate(scene)  # a first time, which imports what large swarms need
     started = time.process_time()
     run = simulate(scene)
     simulated = time.process_time()
@@ -95,10 +116,9 @@ def swarm(robots: int) -> None:
 def swarm_costs() -> list[dict[str, float]]:
     """Return the costs of all numbers of robots: seconds for a control period and a frame, and memory [MB]."""
     costs = []
-    environment = os.environ | {"OPENBLAS_NUM_THREADS": "1"}  # as the command has it
     for robots in ROBOTS:
         command = [sys.executable, __file__, "--swarm", str(robots)]
-        done = subprocess.run(command, check=True, capture_output=True, text=True, env=environment)
+        done = subprocess.run(command, check=True, capture_output=True, text=True, env=ENVIRONMENT)
         costs.append(json.loads(done.stdout))
     return costs
 
@@ -106,15 +126,16 @@ def swarm_costs() -> list[dict[str, float]]:
 def main() -> None:
     """Print both tables, with the limits beside."""
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 5
-    print(f"{'anger, 15 s':<20}{'emovid render':>12}{'ffmpeg alone':>14}   {'ratio':<22}limit")
+    print(f"{'anger, 15 s':<20}{'emovid render':>12}{'ffmpeg alone':>14}   {'ratio':<22}limit{'memory':>8}")
     with tempfile.TemporaryDirectory() as folder:
         for size, fps in VIDEOS:
             print(compare(size, fps, rounds, Path(folder)), flush=True)
+        print(f"of the first: {shares(Path(folder))}", flush=True)
     costs = swarm_costs()
     print(f"\n{'robots':>6}{'a period':>13}{'a frame':>13}{'memory':>11}   limit")
-    for robots, cost in zip(ROBOTS, costs, strict=True):
-        times = f"{1000 * cost['period']:>10.2f} ms{1000 * cost['frame']:>10.2f} ms"
-        print(f"{robots:>6}{times}{cost['memory']:>8.0f} MB   {MEMORY:.0f} MB")
+    for robots, found in zip(ROBOTS, costs, strict=True):
+        times = f"{1000 * found['period']:>10.2f} ms{1000 * found['frame']:>10.2f} ms"
+        print(f"{robots:>6}{times}{found['memory']:>8.0f} MB   {MEMORY:.0f} MB")
     for what, key in (("simulation", "period"), ("rendering", "frame")):
         steps = zip(pairwise(ROBOTS), pairwise(costs), strict=True)
         exponents = (log(b[key] / a[key]) / log(m / n) for (n, m), (a, b) in steps)

@@ -1,11 +1,11 @@
 """How long `emovid --help` takes, against a Typer program that does nothing: whole processes, in turn."""
 
-import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 from statistics import median
+
+from processes import cost
 
 RUNS = 15
 EMPTY = '''
@@ -23,13 +23,6 @@ app()
 '''
 
 
-def seconds(command: list[str]) -> float:
-    """Return the wall time of a command [s]."""
-    started = time.perf_counter()
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    return time.perf_counter() - started
-
-
 def main() -> None:
     """Print the medians and the ratio."""
     with tempfile.TemporaryDirectory() as folder:
@@ -37,8 +30,8 @@ def main() -> None:
         empty.write_text(EMPTY)
         commands = ([sys.executable, "-m", "emovid", "--help"], [sys.executable, str(empty), "--help"])
         for command in commands:
-            seconds(command)
-        pairs = [[seconds(command) for command in commands] for _ in range(RUNS)]
+            cost(command)
+        pairs = [[cost(command).wall for command in commands] for _ in range(RUNS)]
     ours, theirs = (median(times) for times in zip(*pairs, strict=True))
     ratio = median(a / b for a, b in pairs)
     print(

@@ -2,13 +2,17 @@
 
 Under a held command the displacement is v times a curve that depends on heading and omega alone, so its reach towards a
 line is known in closed form, and the largest v that keeps the centre behind every line is found at once; omega is kept.
+Most lines are farther off than a robot can go in a control period, and are left out.
 """
 
-import numpy as np
-from scipy.spatial import cKDTree
+from functools import lru_cache
 
+import numpy as np
+
+from emovid.scene.convex import Edge
 from emovid.scene.stage import Stage
-from emovid.swarm.arrays import Array
+from emovid.swarm.arrays import Array, Indices
+from emovid.swarm.near import pairs_within
 
 _ROUNDING = 1e-12  # m
 
@@ -23,13 +27,18 @@ def share_on_stage(poses: Array, commands: Array, seconds: float, stage: Stage, 
         stage: to stay on.
         radius: of a body [m].
     """
-    shares = []
-    for x, y, offset in stage.edges:
-        # From 0 to 2 pi: another turn of the circle would change the last digit.
-        facing = np.full(len(poses), np.mod(np.arctan2(y, x), 2 * np.pi))
-        slack = offset - radius - (x * poses[:, 0] + y * poses[:, 1])
-        shares.append(_fitting_share(poses, commands, seconds, facing, slack))
-    return np.min(shares, axis=0)
+    normal_x, normal_y, offset, direction = _lines(stage.edges)
+    slack = offset - radius - (normal_x * poses[:, 0] + normal_y * poses[:, 1])
+    edge, robot = np.nonzero(slack < np.abs(commands[:, 0]) * seconds)
+    return _smallest_share(poses, commands, seconds, robot, direction[edge], slack[edge, robot])
+
+
+@lru_cache(maxsize=8)  # asked for in every period
+def _lines(edges: tuple[Edge, ...]) -> tuple[Array, Array, Array, Array]:
+    """Return the edges' normals' x and y and their offsets [m], (C, 1) each, and their directions (C,) [rad]."""
+    x, y, offset = np.array(edges).T
+    # From 0 to 2 pi: another turn of the circle would change the last digit.
+    return x[:, None], y[:, None], offset[:, None], np.mod(np.arctan2(y, x), 2 * np.pi)
 
 
 def room_on_stage(points: Array, stage: Stage) -> Array:
@@ -51,17 +60,23 @@ def share_apart(poses: Array, commands: Array, seconds: float, radius: float, cl
         radius: of a body [m].
         clearance: to keep between bodies [m].
     """
-    share = np.ones(len(poses))
-    reach = np.abs(commands[:, 0]).max() * seconds
-    if len(poses) < 2 or reach == 0:
-        return share
-    near = cKDTree(poses[:, :2]).query_pairs(2 * (radius + reach) + clearance, output_type="ndarray")
-    robot, other = np.concatenate([near, near[:, ::-1]]).T
+    reach = np.abs(commands[:, 0]) * seconds
+    i, j = pairs_within(poses[:, :2], 2 * (radius + reach.max()) + clearance)
+    robot, other = np.concatenate([i, j]), np.concatenate([j, i])
     towards = poses[other, :2] - poses[robot, :2]
-    distance = np.hypot(towards[:, 0], towards[:, 1])
-    slack = distance / 2 - radius - clearance / 2
-    facing = np.arctan2(towards[:, 1], towards[:, 0])
-    np.minimum.at(share, robot, _fitting_share(poses[robot], commands[robot], seconds, facing, slack))
+    slack = np.hypot(towards[:, 0], towards[:, 1]) / 2 - radius - clearance / 2
+    near = np.flatnonzero(slack < reach[robot])
+    facing = np.arctan2(towards[near, 1], towards[near, 0])
+    return _smallest_share(poses, commands, seconds, robot[near], facing, slack[near])
+
+
+def _smallest_share(
+    poses: Array, commands: Array, seconds: float, robot: Indices, facing: Array, slack: Array
+) -> Array:
+    """Return for each robot (N,) the smallest of its shares at the lines (C,) it can reach; 1 if there is none."""
+    share = np.ones(len(poses))
+    if len(robot):
+        np.minimum.at(share, robot, _fitting_share(poses[robot], commands[robot], seconds, facing, slack))
     return share
 
 

@@ -65,4 +65,4 @@ def _to_centroids(points: Array, corners: Array, density: Density) -> tuple[Arra
     mass, moment = mass_and_moment(fans, density)
     has_mass = mass > np.finfo(float).tiny  # below, digits are lost
     to_centroid = moment / np.where(has_mass, mass, np.inf)
-    return mass[fans.cell_of], np.stack([to_centroid.real, to_centroid.imag], axis=-1)[fans.cell_of]
+    return mass[fans.cell_of], to_centroid[fans.cell_of].view(float).reshape(-1, 2)

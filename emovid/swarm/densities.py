@@ -23,10 +23,12 @@ class Density(NamedTuple):
     Attributes:
         phi: from x and y [m], arrays of one shape, to values >= 0 of that shape; only ratios of values matter.
         scale: the length [m] over which it changes, a standard deviation; infinite for a constant.
+        one_peak: whether it is a single Gaussian, without valleys.
     """
 
     phi: Callable[[Array, Array], Array]
     scale: float
+    one_peak: bool = False
 
 
 def density_of(density: AnyDensity, stage: Stage) -> Density:
@@ -47,7 +49,7 @@ def density_of(density: AnyDensity, stage: Stage) -> Density:
 def _gaussian(density: Gaussian) -> Density:
     """exp(-|q - centre|^2 / 2 sigma^2), the density of anger."""
     factor, x_0, y_0 = -0.5 / density.sigma**2, density.centre.x, density.centre.y
-    return Density(lambda x, y: np.exp(factor * ((x - x_0) ** 2 + (y - y_0) ** 2)), density.sigma)
+    return Density(lambda x, y: np.exp(factor * ((x - x_0) ** 2 + (y - y_0) ** 2)), density.sigma, one_peak=True)
 
 
 def _boundary(density: Boundary, stage: Stage) -> Density:
@@ -77,7 +79,20 @@ def _sum(density: Sum, stage: Stage) -> Density:
 
 @lru_cache(maxsize=8)  # a law asks for its density in every period
 def _image(density: Image, stage: Stage) -> Density:
-    """A picture over the upright rectangle around the stage, 1 where it is black and 0 where it is white, smoothed.
+    """A picture over the upright rectangle around the stage, 1 where it is black and 0 where it is white, smoothed."""
+    weights, x_peaks, y_peaks = picture_peaks(density, stage)
+    factor = -0.5 / density.smoothing**2
+
+    def phi(x: Array, y: Array) -> Array:
+        along_x = np.exp(factor * (x.reshape(-1, 1) - x_peaks) ** 2)
+        along_y = np.exp(factor * (y.reshape(-1, 1) - y_peaks) ** 2)
+        return np.sum(along_x @ weights * along_y, axis=1).reshape(x.shape)
+
+    return Density(phi, density.smoothing)
+
+
+def picture_peaks(density: Image, stage: Stage) -> tuple[Array, Array, Array]:
+    """Return heights (X, Y) and places, x (X,) and y (Y,) [m], of the peaks that a picture's density is the sum of.
 
     It is averaged to cells no larger than the smoothing s, and each cell is a peak of standard deviation s: peaks one s
     apart add up to a constant within 1e-8. So it is as smooth as a single peak is, which pixels and straight lines
@@ -93,15 +108,7 @@ def _image(density: Image, stage: Stage) -> Density:
     cells = _averaging(columns, picture.width) @ dark @ _averaging(rows, picture.height).T
     area = (right - left) / columns * (top - bottom) / rows
     weights = np.pad(cells, _BEYOND, mode="edge") * area / (2 * np.pi * density.smoothing**2)
-    x_peaks, y_peaks = _middles(left, right, columns), _middles(bottom, top, rows)
-    factor = -0.5 / density.smoothing**2
-
-    def phi(x: Array, y: Array) -> Array:
-        along_x = np.exp(factor * (x.reshape(-1, 1) - x_peaks) ** 2)
-        along_y = np.exp(factor * (y.reshape(-1, 1) - y_peaks) ** 2)
-        return np.sum(along_x @ weights * along_y, axis=1).reshape(x.shape)
-
-    return Density(phi, density.smoothing)
+    return weights, _middles(left, right, columns), _middles(bottom, top, rows)
 
 
 def _middles(low: float, high: float, cells: int) -> Array:

@@ -7,10 +7,10 @@ exact a centroid as one at its peak: to a millionth of the density's scale, and 
 """
 
 from functools import cache
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import roots_jacobi
 
 from emovid.swarm.arrays import Array, Complex, Indices, Mask
 from emovid.swarm.densities import Density
@@ -19,8 +19,10 @@ from emovid.swarm.voronoi import Fans
 # Nodes per direction, and the largest change of a density over which they give a triangle's centroid to a millionth of
 # the scale and its mass to a millionth: the worst of 75 000 random triangles under peaks, ridges and sums of ridges, up
 # to 35 standard deviations out. In a valley of such a sum its terms change by more than twice as much as it does, and
-# cells are large then: without these, orders would be lower by one or two.
-_NODES, _CHANGE = (2, 3, 5, 8, 12, 16, 20), np.array([0.02, 0.1, 0.8, 2.9, 10.0, 30.0, 50.0])
+# cells are large then. A single peak has none: the worst of 120 000 triangles needs as few nodes as the last row has.
+_NODES = (2, 3, 5, 8, 12, 16, 20)
+_CHANGE = np.array([0.02, 0.1, 0.8, 2.9, 10.0, 30.0, 50.0])
+_CHANGE_OF_ONE_PEAK = np.array([0.028, 0.3, 2.8, 10.5, 30.0, 58.0, 90.0])
 _LEAST = np.finfo(float).tiny  # densities below have lost digits
 _BLOCK = 1 << 14  # nodes at a time: what a cache holds
 
@@ -61,36 +63,38 @@ def _integrals(fans: Fans, density: Density, degree: int) -> tuple[_Triangles, A
 
     The integrals are those of phi times 1, u, v, and for degree 2 also u^2, u v, v^2, at corner + u a + v b.
     """
-    triangles, order = _with_orders(_Triangles(fans.cell, np.zeros_like(fans.a), fans.a, fans.b), fans.robot, density)
+    triangles, numbers = _by_order(_Triangles(fans.cell, np.zeros_like(fans.a), fans.a, fans.b), fans.robot, density)
     cell, corner, a, b = triangles
     corner = corner + fans.robot[cell]
     axes = np.array([[corner.real, a.real, b.real], [corner.imag, a.imag, b.imag]])
     integrals = np.empty((3 if degree == 1 else 6, len(cell)))
-    for k in np.flatnonzero(np.bincount(order)):
-        mine = np.flatnonzero(order == k)
+    for k, (first, end) in enumerate(pairwise([0, *np.cumsum(numbers).tolist()])):
         nodes, weights = _rule(_NODES[k])
         block = _BLOCK // len(nodes)
-        for start in range(0, len(mine), block):
-            some = mine[start : start + block]
+        for start in range(first, end, block):
+            some = slice(start, min(start + block, end))
             x, y = nodes @ axes[..., some]
             integrals[:, some] = weights[: len(integrals)] @ density.phi(x, y)
     return triangles, integrals * (a.conj() * b).imag
 
 
-def _with_orders(triangles: _Triangles, robot: Complex, density: Density) -> tuple[_Triangles, Indices]:
-    """Return the triangles (K,), split where need be, and for each the index of its order in `_NODES` (K,)."""
+def _by_order(triangles: _Triangles, robot: Complex, density: Density) -> tuple[_Triangles, Indices]:
+    """Return the triangles (K,), split where need be and sorted by order, and how many have each in `_NODES`."""
     if np.isinf(density.scale):
-        return triangles, np.zeros(len(triangles.cell), dtype=np.intp)
+        return triangles, np.array([len(triangles.cell)])
+    limits = _CHANGE_OF_ONE_PEAK if density.one_peak else _CHANGE
     while True:
         cell, corner, a, b = triangles
         corner = corner + robot[cell]
-        places = np.stack([corner, corner + a, corner + b])
+        places = np.array([corner, corner + a, corner + b])
         levels = np.log(np.maximum(density.phi(places.real, places.imag), _LEAST))
         longest = np.maximum(np.maximum(np.abs(a), np.abs(b)), np.abs(b - a))
         change = levels.max(axis=0) - levels.min(axis=0) + (longest / density.scale) ** 2 / 2
-        big = change > _CHANGE[-1]
+        big = change > limits[-1]
         if not big.any():
-            return triangles, np.searchsorted(_CHANGE, change)
+            order = np.searchsorted(limits, change)
+            rank = np.argsort(order, kind="stable")
+            return _Triangles(cell[rank], triangles.corner[rank], a[rank], b[rank]), np.bincount(order)
         triangles = _split(triangles, big)
 
 
@@ -112,10 +116,23 @@ def _rule(nodes: int) -> tuple[Array, Array]:
 
     Gauss-Jacobi along the rays from the corner, Gauss-Legendre across: exact for polynomials of degree 2 nodes - 1.
     """
-    ray, ray_weights = roots_jacobi(nodes, 0, 1)
+    ray, ray_weights = _jacobi(nodes)
     across, across_weights = np.polynomial.legendre.leggauss(nodes)
     s, t = np.meshgrid((ray + 1) / 2, (across + 1) / 2, indexing="ij")
     u, v = (s * (1 - t)).ravel(), (s * t).ravel()
     one = np.ones_like(u)
     weights = np.outer(ray_weights / 4, across_weights / 2).ravel()
     return np.stack([one, u, v], axis=1), weights * np.stack([one, u, v, u * u, u * v, v * v])
+
+
+def _jacobi(nodes: int) -> tuple[Array, Array]:
+    """Return the Gauss-Jacobi rule for the weight 1 + x on [-1, 1], (nodes,) each.
+
+    By G. Golub and J. Welsch, "Calculation of Gauss quadrature rules", Math. Comp. 23, 1969: nodes are the eigenvalues
+    of the recurrence's matrix, weights the squares of the first components of its eigenvectors. scipy has it too, but
+    takes longer to import than all else here takes.
+    """
+    k = np.arange(nodes, dtype=float)
+    diagonal, beside = 1 / ((2 * k + 1) * (2 * k + 3)), np.sqrt(k[1:] * (k[1:] + 1)) / (2 * k[1:] + 1)
+    roots, vectors = np.linalg.eigh(np.diag(diagonal) + np.diag(beside, -1))  # it reads the lower triangle
+    return roots, 2 * vectors[0] ** 2

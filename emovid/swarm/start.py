@@ -3,15 +3,18 @@
 from itertools import product
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from emovid.scene.behaviour import Coverage
 from emovid.scene.model import Scene
+from emovid.scene.safety import Barrier
 from emovid.scene.stage import Rectangle
 from emovid.scene.start import AtPoses, InRegion, InStage, OnContour
 from emovid.swarm.arrays import Array
+from emovid.swarm.barrier import spacing_of
 from emovid.swarm.clearance import room_on_stage
 from emovid.swarm.contours import followed_points, start_angles, start_headings
+from emovid.swarm.near import pairs_within
+from emovid.swarm.unicycle import look_ahead
 
 # Darts on the stage for each robot before giving up: at random, discs cover at most 54.7 % of the plane, and the last
 # per cent before that would take for ever. Most fall beside a stage that is thin and lies aslant in its box.
@@ -55,23 +58,24 @@ def _on_contour(scene: Scene) -> Array:
 def _at_random(scene: Scene, start: InStage | InRegion, rng: np.random.Generator) -> Array:
     """Throw darts, uniformly over the region: one off the stage or too near an earlier one is thrown again."""
     radius = scene.robot.body.radius
-    spacing = _spacing(scene) if start.min_spacing is None else start.min_spacing
+    spacing = 2 * radius + _separation(scene) if start.min_spacing is None else start.min_spacing
     left, bottom, right, top = scene.stage.box
     low, high = np.array([left, bottom]) + radius, np.array([right, top]) - radius
     if isinstance(start, InRegion):
         low, high = np.array(start.region.corners)[[0, 2]]
     grid = _Grid(spacing)
+    darts_in_all = _DARTS_PER_ROBOT * min(scene.robots, _most(high - low, spacing))
     on_stage = 0
     for _ in range(_THROWS):
         darts = rng.uniform(low, high, (scene.robots, 2))
-        darts = darts[room_on_stage(darts, scene.stage) >= radius - _ROUNDING]
+        darts = darts[room_on_stage(darts, scene.stage) >= _room_needed(scene) - _ROUNDING]
         for x, y in darts.tolist():
             if grid.is_free(x, y):
                 grid.add(x, y)
                 if len(grid.points) == scene.robots:
                     return np.column_stack([grid.points, rng.uniform(-np.pi, np.pi, scene.robots)])
         on_stage += len(darts)
-        if on_stage >= _DARTS_PER_ROBOT * scene.robots:
+        if on_stage >= darts_in_all:
             break
     width, height = high - low
     upright = isinstance(start, InRegion) or isinstance(scene.stage, Rectangle)
@@ -81,6 +85,19 @@ def _at_random(scene: Scene, start: InStage | InRegion, rng: np.random.Generator
         f"{scene.robots} robots do not fit into {where} at random with {1000 * spacing:g} mm between centres: "
         f"room was found for {len(grid.points)}",
     )
+
+
+def _most(sides: Array, spacing: float) -> float:
+    """Return a bound on how many points `spacing` [m] apart a rectangle holds: discs cover at most pi / sqrt(12)."""
+    return 2 / np.sqrt(3) * float(np.prod(sides + spacing)) / spacing**2 if spacing else np.inf
+
+
+def _room_needed(scene: Scene) -> float:
+    """Return the distance [m] from the edge that a robot needs at first, whatever its heading: a barrier keeps it."""
+    body = scene.robot.body
+    if not isinstance(scene.safety, Barrier):
+        return body.radius
+    return max(body.radius, spacing_of(scene.safety, scene.robot) / 2 + abs(body.guarded[0]))
 
 
 class _Grid:
@@ -107,10 +124,9 @@ class _Grid:
         return int(x // self.spacing), int(y // self.spacing)
 
 
-def _spacing(scene: Scene) -> float:
-    """Return the smallest distance [m] between centres that the scene allows."""
-    separation = scene.behaviour.separation if isinstance(scene.behaviour, Coverage) else None
-    return 2 * scene.robot.body.radius + (separation or 0.0)
+def _separation(scene: Scene) -> float:
+    """Return the clearance [m] that the scene keeps between bodies."""
+    return (scene.behaviour.separation if isinstance(scene.behaviour, Coverage) else None) or 0.0
 
 
 def _check_stage(scene: Scene, poses: Array) -> None:
@@ -123,15 +139,17 @@ def _check_stage(scene: Scene, poses: Array) -> None:
 
 
 def _check_spacing(scene: Scene, poses: Array) -> None:
-    if scene.robots < 2:
-        return
-    distance, other = cKDTree(poses[:, :2]).query(poses[:, :2], k=2)
-    least = _spacing(scene)
-    too_close = distance[:, 1] < least - _ROUNDING
-    if too_close.any():
-        i = int(np.argmax(too_close))
+    ahead, radius = scene.robot.body.disc
+    middles = look_ahead(poses, ahead)
+    least = 2 * radius + _separation(scene)
+    pairs = np.stack(pairs_within(middles, least - _ROUNDING), axis=1)
+    if len(pairs):
+        i = int(pairs[0, 0])
+        others = pairs[(pairs == i).any(axis=1)].sum(axis=1) - i
+        distance = np.hypot(*(middles[others] - middles[i]).T)
+        nearest = int(distance.argmin())
         raise scene.fault(
             "start.poses" if isinstance(scene.start, AtPoses) else "robots",
-            f"{scene.robots} robots do not fit: robots {i + 1} and {other[i, 1] + 1} would start "
-            f"{1000 * distance[i, 1]:.3g} mm apart, and need {1000 * least:.3g} mm",
+            f"{scene.robots} robots do not fit: robots {i + 1} and {others[nearest] + 1} would start "
+            f"{1000 * distance[nearest]:.3g} mm apart, and need {1000 * least:.3g} mm",
         )

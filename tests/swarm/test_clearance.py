@@ -6,6 +6,7 @@ from scipy.optimize import linprog
 from stages import HEXAGON, convex_corners, polygon
 
 from emovid.scene.stage import Polygon, Rectangle
+from emovid.swarm import clearance
 from emovid.swarm.clearance import farthest_advance, room_on_stage, share_apart, share_on_stage
 from emovid.swarm.unicycle import move
 
@@ -144,3 +145,22 @@ def test_room_on_a_hexagon_by_hand() -> None:
     apothem = 0.6 * np.sqrt(3) / 2
     room = room_on_stage(np.array([[0.0, 0.0], [0.0, -0.5], [0.6, 0.0], [0.0, 1.0]]), polygon(HEXAGON))
     assert room == pytest.approx([apothem, apothem - 0.5, 0, apothem - 1], abs=1e-12)
+
+
+@given(convex_corners(), SEED)
+def test_edges_out_of_reach_may_be_left_out(corners: list[tuple[float, float]], seed: int) -> None:
+    stage = polygon(corners)
+    assume(stage.inradius > RADIUS + 1e-3)
+    poses, commands = swarm_on(stage, seed)
+    of_edges = [
+        clearance._fitting_share(
+            poses,
+            commands,
+            SECONDS,
+            np.full(len(poses), np.arctan2(y, x)),
+            offset - RADIUS - poses[:, :2] @ [x, y],
+        )
+        for x, y, offset in stage.edges
+    ]
+    expected = np.min(of_edges, axis=0)
+    assert share_on_stage(poses, commands, SECONDS, stage, RADIUS) == pytest.approx(expected, abs=1e-9)

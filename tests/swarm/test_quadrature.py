@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.special import roots_jacobi
 from stages import HEXAGON, TRIANGLE, polygon
 
 from emovid.scene.behaviour import Boundary, Gaussian, Uniform
@@ -107,6 +108,22 @@ def test_integrals_do_not_depend_on_how_many_nodes_are_taken_at_a_time(
     _, expected = mass_and_centroid(points, CORNERS, density)
     monkeypatch.setattr(quadrature, "_BLOCK", block)
     assert mass_and_centroid(points, CORNERS, density)[1] == pytest.approx(expected, abs=1e-14)
+
+
+@pytest.mark.parametrize("nodes", [1, 2, 5, 20])
+def test_the_rule_along_rays_is_that_of_scipy(nodes: int) -> None:
+    for found, expected in zip(quadrature._jacobi(nodes), roots_jacobi(nodes, 0, 1), strict=True):
+        assert found == pytest.approx(expected, rel=1e-12)
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 15), st.floats(0.02, 0.5))
+def test_one_peak_is_integrated_as_exactly_with_fewer_nodes(seed: int, robots: int, sigma: float) -> None:
+    points = np.random.default_rng(seed).uniform([-0.6, -0.4], [0.6, 0.4], (robots, 2))
+    density = density_of(Gaussian(kind="gaussian", sigma=sigma), STAGE)
+    _, found = mass_and_centroid(points, CORNERS, density)
+    finely = density._replace(one_peak=False, scale=sigma / 4)  # as if it changed faster than it does
+    _, expected = mass_and_centroid(points, CORNERS, finely)
+    assert np.abs(found - expected).max() < 1e-6 * sigma
 
 
 @given(st.floats(-3, 3), st.floats(-3, 3), st.integers(0, 1000))

@@ -1,5 +1,7 @@
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.spatial.distance import pdist
 from stages import HEXAGON, THIN, TRIANGLE, keys_of
 
@@ -7,7 +9,7 @@ from emovid.errors import SceneError
 from emovid.scene.model import Scene
 from emovid.swarm.clearance import room_on_stage
 from emovid.swarm.contours import followed_points, start_angles
-from emovid.swarm.start import start_poses
+from emovid.swarm.start import _most, start_poses
 from emovid.swarm.unicycle import look_ahead
 
 
@@ -114,3 +116,14 @@ def test_a_rectangle_by_its_corners_has_the_same_starts(make_scene) -> None:
     corners = [(-0.6, 0.4), (0.6, 0.4), (0.6, -0.4), (-0.6, -0.4)]
     by_corners = make_scene("anger", {"stage": keys_of(corners)})
     assert np.array_equal(start_poses(by_corners, rng()), start_poses(make_scene("anger"), rng()))
+
+
+@given(st.floats(0.01, 0.2), st.floats(0.0, 2.0), st.floats(0.0, 2.0))
+def test_the_densest_lattice_has_no_more_points_than_the_bound(spacing, width, height) -> None:
+    rows = int(height / (np.sqrt(3) / 2 * spacing)) + 1
+    even, odd = int(width / spacing) + 1, int(np.floor(width / spacing - 0.5)) + 1
+    assert (rows + 1) // 2 * even + rows // 2 * odd <= _most(np.array([width, height]), spacing)
+
+
+def test_points_that_may_coincide_have_no_bound() -> None:
+    assert _most(np.array([1.0, 1.0]), 0.0) == np.inf

@@ -91,3 +91,21 @@ def test_limits_scale_a_command_as_a_whole(v: float, omega: float) -> None:
     else:  # and no more is lost than must be: one limit is reached
         reached = max(abs(scaled[0]) / 0.3, abs(scaled[1]) / 9.0, (abs(scaled[0]) + 0.0175 * abs(scaled[1])) / 0.25)
         assert reached == pytest.approx(1)
+
+
+@given(st.floats(-2, 2), st.floats(-40, 40))
+def test_clipping_cuts_each_wheel_alone(v: float, omega: float) -> None:
+    base, most = 0.105, 0.2
+    command = np.array([[v, omega]])
+    clipped = within_limits(command, Limits(wheel_max=most), base, clip=True)[0]
+    left, right = clipped[0] - base / 2 * clipped[1], clipped[0] + base / 2 * clipped[1]
+    assert left == pytest.approx(min(max(v - base / 2 * omega, -most), most), abs=1e-12)
+    assert right == pytest.approx(min(max(v + base / 2 * omega, -most), most), abs=1e-12)
+
+
+def test_clipping_bends_the_path_that_scaling_keeps() -> None:
+    # v = 0.2 m/s and 2 rad/s: wheels of 0.095 and 0.305 m/s.
+    command, limits = np.array([[0.2, 2.0]]), Limits(wheel_max=0.2)
+    scaled, clipped = (within_limits(command, limits, 0.105, clip)[0] for clip in (False, True))
+    assert scaled == pytest.approx(np.array([0.2, 2.0]) * 0.2 / 0.305)
+    assert clipped == pytest.approx([(0.095 + 0.2) / 2, (0.2 - 0.095) / 0.105])

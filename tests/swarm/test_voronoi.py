@@ -64,9 +64,29 @@ def test_two_robots_share_the_stage_at_their_bisector() -> None:
     assert right == pytest.approx(np.array([[-0.1, -0.4], [0.6, -0.4], [0.6, 0.4], [-0.1, 0.4]]))
 
 
-@given(st.lists(POINT, min_size=1, max_size=40))
-def test_cells_are_those_of_cutting(points: list[tuple[float, float]]) -> None:
-    assert_cells_are_those_of_cutting(np.array(points), CORNERS)
+@given(st.lists(POINT, min_size=1, max_size=40), st.sampled_from([1, 100]))
+def test_cells_are_those_of_cutting_by_pairs_and_by_qhull(points: list[tuple[float, float]], few: int) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(voronoi, "_FEW", few)
+        assert_cells_are_those_of_cutting(np.array(points), CORNERS)
+
+
+@given(st.integers(1, 20), st.integers(-17, -3), st.integers(0, 1000))
+def test_robots_of_a_small_swarm_may_be_as_near_to_each_other_as_numbers_get(
+    robots: int, digits: int, seed: int
+) -> None:
+    points = uniform(robots, seed)
+    twins = points + np.random.default_rng(seed).normal(size=points.shape) * 10.0**digits
+    swarm = np.concatenate([points, np.clip(twins, CORNERS[0], CORNERS[2])])[: voronoi._FEW]
+    assert_cells_are_those_of_cutting(swarm, CORNERS, about=1e-11)
+
+
+def test_a_robot_among_others_has_a_cell_that_does_not_reach_the_stage_s_edge() -> None:
+    angle = np.arange(6) * np.pi / 3
+    points = np.concatenate([[[0.1, 0.0]], 0.2 * np.stack([np.cos(angle), np.sin(angle)], axis=1) + [0.1, 0.0]])
+    # A regular hexagon with an inradius of 0.1.
+    assert areas(voronoi_cells(points, CORNERS))[0] == pytest.approx(2 * np.sqrt(3) * 0.1**2, rel=1e-12)
+    assert_cells_are_those_of_cutting(points, CORNERS)
 
 
 @given(st.lists(POINT, min_size=1, max_size=40, unique=True))
@@ -118,14 +138,16 @@ def test_robots_all_at_one_place_have_the_stage() -> None:
     assert areas(voronoi_cells(np.full((20, 2), 0.1), CORNERS)) == pytest.approx(np.full(20, 0.96))
 
 
+@pytest.mark.parametrize("robots", [2, 3, 15, 41])
 @pytest.mark.parametrize("end", [(0.6, 0.0), (0.0, 0.4), (0.6, 0.4)])
-def test_robots_on_a_line_cut_the_stage_into_strips(end: tuple[float, float]) -> None:
-    points = np.linspace(-1, 1, 41)[:, None] * end
+def test_robots_on_a_line_cut_the_stage_into_strips(end: tuple[float, float], robots: int) -> None:
+    points = np.linspace(-1, 1, robots)[:, None] * end
     assert_cells_are_those_of_cutting(points, CORNERS)
 
 
-def test_robots_on_a_circle_have_its_sectors() -> None:
-    angle = np.arange(60) * np.pi / 30
+@pytest.mark.parametrize("robots", [3, 4, 15, 20, 60])
+def test_robots_on_a_circle_have_its_sectors(robots: int) -> None:
+    angle = np.arange(robots) * 2 * np.pi / robots
     points = 0.3 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     assert_cells_are_those_of_cutting(points, CORNERS)
 

@@ -1,0 +1,91 @@
+"""Run the benchmarks and write what they print into RESULTS.md, a section each.
+
+Usage: python benchmarks [NAME ...]
+
+NAME is that of a file here, render_cost say; all are run if none is given. A section holds a title, what stands below
+it, which is written by hand and kept, and what was measured: the command, the day, the machine, the versions, and the
+output. Nothing else should run meanwhile.
+"""
+
+import os
+import platform
+import re
+import subprocess
+import sys
+import time
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+
+from emovid.video.encode import ffmpeg_version
+
+HERE = Path(__file__).parent
+RESULTS = HERE / "RESULTS.md"
+BENCHES = {
+    "startup": "Starting up",
+    "render_cost": "Rendering",
+    "peers": "Against others",
+    "simulator": "Simulating",
+    "coverage_scale": "Coverage in large swarms",
+    "batch": "Batches",
+    "survey_import": "Importing a survey",
+    "survey": "The survey under load",
+    "gate": "The claims on 50 seeds",
+    "robotarium_safety": "The scenes for robots on 50 seeds",
+}
+TITLE = "# What was measured\n\n`make bench` makes all of this anew, `make bench ONLY=render_cost` one section.\n"
+
+
+def machine() -> str:
+    """Return the processor, its cores, the system, and the versions that a cost depends on."""
+    model = platform.processor() or platform.machine()
+    info = Path("/proc/cpuinfo")
+    if info.exists() and (found := re.search(r"^model name\s*: (.*)$", info.read_text(), re.MULTILINE)):
+        model = found[1]
+    packages = " ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "matplotlib", "pandas"))
+    python = f"Python {platform.python_version()}"
+    return f"{model}, {os.cpu_count()} cores, {platform.system()}; {python}, {packages}, ffmpeg {ffmpeg_version()}"
+
+
+def measured(name: str) -> tuple[str, bool]:
+    """Return what a benchmark prints, with all that it was measured with, and whether it says that a limit holds."""
+    command = [sys.executable, str(HERE / f"{name}.py")]
+    started = time.monotonic()
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
+    minutes = (time.monotonic() - started) / 60
+    print(done.stdout, flush=True)
+    stamp = f"`python benchmarks/{name}.py`, {datetime.now(UTC):%Y-%m-%d}, {minutes:.1f} min. {machine()}."
+    return f"{stamp}\n\n```text\n{done.stdout.strip()}\n```\n", done.returncode == 0
+
+
+def sections(text: str) -> dict[str, str]:
+    """Return the sections of a results file by title: what is written by hand, without what was measured."""
+    parts = re.split(r"^## (.*)\n", text, flags=re.MULTILINE)[1:]
+    return dict(zip(parts[::2], parts[1::2], strict=True))
+
+
+def by_hand(section: str) -> str:
+    """Return a section without what was measured, which begins with the command."""
+    return re.split(r"^`python benchmarks/", section, maxsplit=1, flags=re.MULTILINE)[0].strip()
+
+
+def main(names: list[str]) -> None:
+    """Run the benchmarks and update their sections, one after the other."""
+    if unknown := [name for name in names if name not in BENCHES]:
+        raise SystemExit(f"no benchmark {unknown[0]}: there are {', '.join(BENCHES)}")
+    failed = []
+    for name in names or BENCHES:
+        print(f"{name}:", flush=True)
+        found, held = measured(name)
+        failed += [] if held else [name]
+        known = sections(RESULTS.read_text() if RESULTS.exists() else "")
+        title = BENCHES[name]
+        known[title] = "\n\n".join(part for part in ("", by_hand(known.get(title, "")), found) if part)
+        ordered = (f"## {title}\n\n{known[title].strip()}\n" for title in BENCHES.values() if title in known)
+        RESULTS.write_text("\n".join([TITLE, *ordered]))
+    if failed:
+        raise SystemExit(f"failed: {', '.join(failed)}")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
