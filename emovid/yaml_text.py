@@ -45,12 +45,13 @@ for _name, _pattern, _first in _RESOLVERS:
     _Loader.add_implicit_resolver(_CORE + _name, re.compile(_pattern), _first)
 
 
-def read_yaml(text: str, where: str) -> tuple[Any, dict[KeyPath, str]]:
+def read_yaml(text: str, where: str, what: str = "scene") -> tuple[Any, dict[KeyPath, str]]:
     """Return the values in `text` and, for the path of each key, the place it stands at, ``"file:line"``.
 
     Args:
         text: one YAML document.
         where: what to call it in messages, usually the file.
+        what: it should hold, for messages.
 
     Raises:
         SceneError: for a syntax error, a duplicate key, a tag, an alias, more than one document, or none.
@@ -59,7 +60,7 @@ def read_yaml(text: str, where: str) -> tuple[Any, dict[KeyPath, str]]:
     try:
         node = yaml.compose(text, Loader=_Loader)
         if node is None:
-            raise SceneError(where, "", "empty: expected a scene")
+            raise SceneError(where, "", f"empty: expected a {what}")
         return _value(node, (), places, where), places
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
@@ -71,7 +72,7 @@ def read_yaml(text: str, where: str) -> tuple[Any, dict[KeyPath, str]]:
     except (ValueError, OverflowError):  # PyYAML's own, for characters beyond Unicode and endless version numbers
         raise SceneError(where, "", "not YAML: a character or number beyond all bounds") from None
     except RecursionError:
-        raise SceneError(where, "", "not a scene: nested too deeply") from None
+        raise SceneError(where, "", f"not a {what}: nested too deeply") from None
 
 
 def read_value(text: str, where: str) -> Any:

@@ -15,6 +15,11 @@ _BOUNDS = {
     "less_than": ("lt", "less than"),
     "less_than_equal": ("le", "at most"),
 }
+_WORDS: Mapping[KeyPath, str] = {
+    ("video", "size"): "width x height in pixels, as in 1280x720",
+    ("robot", "model"): "a robot's name, a file that ends in .yaml, or a group of keys",
+    ("robot", "limits"): "a group of keys, model or null",
+}
 _KINDS = {
     "float_type": "a number",
     "finite_number": "a finite number",
@@ -53,7 +58,7 @@ def _problem(item: Mapping[str, Any], root: type[BaseModel]) -> tuple[KeyPath, s
     kind, given, context = item["type"], item["input"], item.get("ctx", {})
     path = _walk(item["loc"], root)[0]
     if kind == "inconsistent":
-        return key_path(context["key"]), context["message"]
+        return (*path, *key_path(context["key"])), context["message"]
     if kind == "extra_forbidden":
         return path, f"unknown key{_known_key(item['loc'], path, root)}"
     if kind == "missing":
@@ -75,8 +80,8 @@ def _problem(item: Mapping[str, Any], root: type[BaseModel]) -> tuple[KeyPath, s
 def _expected(kind: str, path: KeyPath, context: Mapping[str, Any], message: str) -> str:
     if "colours" in path and kind in ("string_type", "string_pattern_mismatch"):
         return 'a colour in quotes, as in "#0072b2"'
-    if path == ("video", "size"):
-        return "width x height in pixels, as in 1280x720"
+    if path in _WORDS:
+        return _WORDS[path]
     if kind == "too_short":
         return f"at least {context['min_length']}"
     if kind == "too_long":

@@ -8,6 +8,8 @@ from typing import Literal, NamedTuple, get_args
 
 EmotionName = Literal["happiness", "surprise", "sadness", "fear", "disgust", "anger"]
 
+PLATFORMS = ("robotarium", "robotarium-today")  # testbeds for which the six scenes ship too, in folders of these names
+
 
 class Emotion(NamedTuple):
     """One row of Table II, with the snapshot times [s] and the video of its figure."""

@@ -33,5 +33,5 @@ ORIGIN = Point(x=0.0, y=0.0)
 
 
 def inconsistent(key: str, message: str) -> PydanticCustomError:
-    """Return the error, for a validator to raise, of what is wrong with a dotted key beyond its own bounds."""
+    """Return the error, for a validator to raise, of what is wrong beyond its own bounds with a dotted key inside."""
     return PydanticCustomError("inconsistent", "{message}", {"key": key, "message": message})

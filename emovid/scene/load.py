@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,12 +14,12 @@ from emovid import yaml_text
 from emovid.errors import SceneError, nearest
 from emovid.places import KeyPath, Places, key_path
 from emovid.scene.complaints import complaint
-from emovid.scene.emotions import EMOTIONS
+from emovid.scene.emotions import EMOTIONS, PLATFORMS
 from emovid.scene.model import Scene
 from emovid.scene.picture import read_pictures
+from emovid.scene.robot_files import read_robot
+from emovid.scene.shipped import CONFIGS, read_text
 from emovid.whole_files import reason
-
-MAX_BYTES = 32_000_000  # a scene that lists the poses of 100 000 robots has 5 MB
 
 
 class Setting(NamedTuple):
@@ -36,23 +36,25 @@ class Setting(NamedTuple):
     origin: str
 
 
-def load_scene(source: str | Path, settings: Iterable[Setting] = ()) -> Scene:
+def load_scene(source: str | Path, settings: Iterable[Setting] | Mapping[str, Any] = ()) -> Scene:
     """Return the scene of a YAML file, or the shipped one of an emotion.
 
     Args:
-        source: a file, or one of the six emotions.
-        settings: keys to replace, in order.
+        source: a file, or a name: one of the six emotions, or robotarium/ or robotarium-today/ before it.
+        settings: keys to replace, in order; or dotted keys with their values, as in ``{"robot.l": 0.002}``.
 
     Raises:
         SceneError: for a file that cannot be read or a scene that cannot be meant, with file, line and key.
     """
     path = find_scene(source)
-    return parse_scene(_read(path), str(path), settings, path.parent)
+    if isinstance(settings, Mapping):
+        settings = [Setting(key, value, "") for key, value in settings.items()]
+    return parse_scene(read_text(path), str(path), settings, path.parent)
 
 
 def find_scene(source: str | Path) -> Path:
-    """Return the file of `source`: an emotion's shipped scene, or the path itself if there is such a file."""
-    if str(source) in EMOTIONS:
+    """Return the file of `source`: a shipped scene by its name, or the path itself if there is such a file."""
+    if str(source) in shipped_names():
         return shipped_scene(str(source))
     path = Path(source)
     try:
@@ -60,26 +62,29 @@ def find_scene(source: str | Path) -> Path:
     except OSError as error:
         raise SceneError(str(path), "", f"cannot be read: {reason(error)}") from None
     if not found:
-        raise SceneError(str(source), "", f"no such file or emotion{nearest(str(source), EMOTIONS)}")
+        raise SceneError(str(source), "", f"no such file or emotion{nearest(str(source), shipped_names())}")
     return path
 
 
-def shipped_scene(emotion: str) -> Path:
-    """Return the file of the scene that ships for one of the six emotions."""
-    installed = Path(__file__).parent.parent / "configs"
-    folder = installed if installed.is_dir() else installed.parent.parent / "configs"  # a checkout keeps them on top
-    return folder / f"{emotion}.yaml"
+def shipped_names() -> list[str]:
+    """Return the names of the scenes that ship: emotions, and `platform/emotion` for the testbeds."""
+    return [*EMOTIONS, *(f"{platform}/{emotion}" for platform in PLATFORMS for emotion in EMOTIONS)]
+
+
+def shipped_scene(name: str) -> Path:
+    """Return the file of one of the `shipped_names`."""
+    return CONFIGS / f"{name}.yaml"
 
 
 def parse_scene(text: str, where: str, settings: Iterable[Setting] = (), folder: Path = Path()) -> Scene:
-    """Return the scene in `text`; `where` names it in messages, pictures are found from `folder`. See `load_scene`."""
+    """Return the scene in `text`; `where` names it in messages, files are found from `folder`. See `load_scene`."""
     return scene_of(*_keys(text, where), settings, folder)
 
 
 def scene_keys(source: str | Path) -> tuple[dict[str, Any], Places, Path]:
     """Return the keys of a scene's file as plain values, valid or not, their places, and the file. See `load_scene`."""
     path = find_scene(source)
-    return *_keys(_read(path), str(path)), path
+    return *_keys(read_text(path), str(path)), path
 
 
 def scene_of(keys: dict[str, Any], known: Places, settings: Iterable[Setting] = (), folder: Path = Path()) -> Scene:
@@ -89,7 +94,7 @@ def scene_of(keys: dict[str, Any], known: Places, settings: Iterable[Setting] = 
         keys: the values.
         known: the places of the keys.
         settings: keys to replace, in order.
-        folder: that pictures are found from.
+        folder: that pictures and robots are found from.
 
     Raises:
         SceneError: as `load_scene`.
@@ -98,6 +103,7 @@ def scene_of(keys: dict[str, Any], known: Places, settings: Iterable[Setting] = 
     for setting in settings:
         _apply(setting, data, places)
     read_pictures(data, folder, places)
+    read_robot(data, folder, places)
     try:
         scene = Scene.model_validate(data)
     except ValidationError as error:
@@ -122,20 +128,6 @@ def _keys(text: str, where: str) -> tuple[dict[str, Any], Places]:
     if not isinstance(data, dict):
         raise SceneError(where, "", "not a scene: expected keys such as emotion, behaviour, robot")
     return data, places
-
-
-def _read(path: Path) -> str:
-    try:
-        with path.open("rb") as file:
-            data = file.read(MAX_BYTES + 1)
-        if len(data) > MAX_BYTES:
-            raise SceneError(str(path), "", f"too large for a scene: more than {MAX_BYTES // 1_000_000} MB")
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = error.object[: error.start].count(b"\n") + 1
-        raise SceneError(f"{path}:{line}", "", "not UTF-8 text") from None
-    except OSError as error:
-        raise SceneError(str(path), "", f"cannot be read: {reason(error)}") from None
 
 
 def _apply(setting: Setting, data: dict[str, Any], places: dict[KeyPath, str]) -> None:

@@ -5,6 +5,7 @@ field descriptions are the hover help of editors (`emovid scene schema`).
 """
 
 from collections.abc import Iterator
+from math import ceil
 from typing import Annotated, Any, Self
 
 from pydantic import Field, PrivateAttr, model_validator
@@ -23,17 +24,22 @@ from emovid.scene.behaviour import (
     Image,
     Sum,
 )
-from emovid.scene.emotions import EmotionName
+from emovid.scene.emotions import EMOTIONS, EmotionName
 from emovid.scene.fields import MAX_DURATION, MAX_ROBOTS, Keys, Point, inconsistent
 from emovid.scene.picture import picture_of
 from emovid.scene.robots import MIN_L, Limits, Robot
+from emovid.scene.safety import MAX_PERIOD, Barrier, NoSafety, Safety
 from emovid.scene.stage import Stage
 from emovid.scene.start import AtPoses, AtRandom, InRegion, OnContour, Start
 from emovid.scene.video import MAX_GIF_FPS, MAX_SIDE, MIN_SIDE, Video
+from emovid.scene.view import view_faults
 
 MAX_POSES = 200_000_000  # robots times control periods held in memory: 24 h of 77 robots at 30 Hz
+MAX_SNAPSHOTS = 24
 _ROUNDING = 1e-9  # m
 _CIRCLE = "the radius of the largest circle on the stage"
+
+Time = Annotated[float, Field(ge=0, le=MAX_DURATION)]
 
 
 class Scene(Keys):
@@ -50,6 +56,10 @@ class Scene(Keys):
     )
     duration: Annotated[float, Field(gt=0, le=MAX_DURATION)] = Field(description="length of run and video [s]")
     seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = Field(description="of all that is random")
+    safety: Safety = Field(NoSafety(), description="none, or barrier: what keeps bodies apart whatever the law wants")
+    snapshots: Annotated[tuple[Time, ...], Field(strict=False, min_length=1, max_length=MAX_SNAPSHOTS)] | None = Field(
+        None, description="times of its figure [s], rising; measures end at the last; null: the paper's for its emotion"
+    )
     video: Video = Field(Video(), description="how it is shown")
 
     @model_validator(mode="after")
@@ -70,6 +80,23 @@ class Scene(Keys):
         return SceneError(place_of(key_path(key), self._places), key, message)
 
     @property
+    def step(self) -> float:
+        """How long one command is held [s]: the control period, or the barrier's if that is shorter."""
+        if not isinstance(self.safety, Barrier):
+            return self.control_period
+        return self.safety.period or self.control_period / ceil(self.control_period / MAX_PERIOD)
+
+    @property
+    def steps_held(self) -> int:
+        """Steps for which a nominal command stays the same."""
+        return max(1, round(self.control_period / self.step))
+
+    @property
+    def snapshot_times(self) -> tuple[float, ...] | None:
+        """The times [s] of its figure: its own, or the paper's for its emotion; None without either."""
+        return self.snapshots or (EMOTIONS[self.emotion].snapshot_times if self.emotion else None)
+
+    @property
     def frames(self) -> int:
         """Frames of the video: duration times fps, to the nearest whole one."""
         return max(1, round(self.duration * self.video.fps))
@@ -84,10 +111,15 @@ def _faults(scene: Scene) -> Iterator[tuple[str, str]]:
     yield from _video_faults(scene.video)
     if scene.video.overlays.density and not isinstance(scene.behaviour, Coverage):
         yield "video.overlays.density", f"true: a {scene.behaviour.law} behaviour has no density to show"
+    if scene.video.view == "perspective":
+        yield from view_faults(scene.video, scene.stage, scene.robot.body.height)
     yield from _robot_faults(scene)
     yield from _behaviour_faults(scene)
     yield from _start_faults(scene)
-    poses = scene.robots * scene.duration / scene.control_period
+    if isinstance(scene.safety, Barrier):
+        yield from _barrier_faults(scene, scene.safety)
+    yield from _snapshot_faults(scene)
+    poses = scene.robots * scene.duration / scene.step
     if poses > MAX_POSES:
         yield (
             "control_period",
@@ -108,15 +140,20 @@ def _video_faults(video: Video) -> Iterator[tuple[str, str]]:
 def _robot_faults(scene: Scene) -> Iterator[tuple[str, str]]:
     robot, body = scene.robot, scene.robot.body
     if body.steers and robot.l is None:
-        yield "robot.l", f"missing: a {robot.model} needs a look-ahead distance l [m]"
+        yield "robot.l", f"missing: a {body.name} needs a look-ahead distance l [m]"
     if robot.l is not None and robot.l < MIN_L:
         yield "robot.l", f"{robot.l:g}: expected at least a micrometre, {MIN_L:g}"
     if robot.limits is not None and robot.limits == Limits():
         yield "robot.limits", "empty: expected v_max, omega_max or wheel_max, or null for no limits"
+    if robot.saturation == "clip" and (robot.limits is None or robot.limits.wheel_max is None):
+        yield (
+            "robot.saturation",
+            "clip: there is no limit of the wheels' speed; expected scale, or robot.limits of wheel_max",
+        )
     if robot.limits is not None and robot.limits.wheel_max is not None and not body.wheel_base:
-        yield "robot.limits.wheel_max", f"a {robot.model} has no wheels"
+        yield "robot.limits.wheel_max", f"a {body.name} has no wheels"
     if scene.stage.inradius <= body.radius:
-        yield "stage", f"{scene.stage}: a {robot.model} of {_mm(2 * body.radius)} does not fit in"
+        yield "stage", f"{scene.stage}: a {body.name} of {_mm(2 * body.radius)} does not fit in"
 
 
 def _behaviour_faults(scene: Scene) -> Iterator[tuple[str, str]]:
@@ -199,6 +236,35 @@ def _start_faults(scene: Scene) -> Iterator[tuple[str, str]]:
         for i, pose in enumerate(start.poses):
             if stage.room(pose.x, pose.y) < radius - _ROUNDING:
                 yield f"start.poses.{i}", f"({pose.x:g}, {pose.y:g}): the body is not on the stage"
+
+
+def _barrier_faults(scene: Scene, barrier: Barrier) -> Iterator[tuple[str, str]]:
+    limits, body = scene.robot.limits or Limits(), scene.robot.body
+    least = 2 * body.guarded[1]
+    if barrier.spacing is not None and barrier.spacing < least:
+        yield "safety.spacing", f"{barrier.spacing:g}: expected at least a {body.name}'s size, {least:.4f}"
+    if barrier.gamma * scene.step > 1 + _ROUNDING:
+        yield "safety.gamma", f"{barrier.gamma:g}: expected at most {1 / scene.step:g}, one over its period"
+    if abs(scene.steps_held * scene.step - scene.control_period) > _ROUNDING:
+        yield "safety.period", f"{barrier.period:g}: expected a whole number of times in the control period"
+    if isinstance(scene.behaviour, Coverage) and scene.behaviour.separation is not None:
+        yield "behaviour.separation", f"{scene.behaviour.separation:g}: expected null beside a barrier, which does more"
+    if body.steers and limits.wheel_max is None and (limits.v_max is None or limits.omega_max is None):
+        yield (
+            "safety.kind",
+            "barrier: it has to know the motors; expected robot.limits of wheel_max, or v_max and omega_max",
+        )
+    if not body.steers and limits.v_max is None:
+        yield "safety.kind", "barrier: it has to know the motors; expected robot.limits of v_max"
+
+
+def _snapshot_faults(scene: Scene) -> Iterator[tuple[str, str]]:
+    times = scene.snapshots or ()
+    for i, t in enumerate(times):
+        if t > scene.duration:
+            yield f"snapshots.{i}", f"{t:g}: expected at most the duration, {scene.duration:g}"
+        if i and t <= times[i - 1]:
+            yield f"snapshots.{i}", f"{t:g}: expected more than the one before, {times[i - 1]:g}"
 
 
 def _mm(length: float) -> str:

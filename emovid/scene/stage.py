@@ -66,7 +66,7 @@ def _outlined(corners: tuple[Point, ...]) -> tuple[Point, ...]:
     pairs = [(corner.x, corner.y) for corner in corners]
     if fault := first_fault(pairs):
         i, message = fault
-        raise inconsistent(f"stage.corners.{i}", f"({pairs[i][0]:g}, {pairs[i][1]:g}): {message}")
+        raise inconsistent(f"{i}", f"({pairs[i][0]:g}, {pairs[i][1]:g}): {message}")
     return tuple(Point(x=x, y=y) for x, y in outline_of(pairs))
 
 
@@ -84,7 +84,7 @@ class Polygon(StageKeys):
     def _without_sides(cls, keys: Any) -> Any:
         for side in Rectangle.model_fields:
             if isinstance(keys, dict) and side in keys:
-                raise inconsistent(f"stage.{side}", "given beside corners: expected width and height, or corners")
+                raise inconsistent(side, "given beside corners: expected width and height, or corners")
         return keys
 
     @property

@@ -4,15 +4,33 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from emovid.scene.fields import MAX_DURATION, MAX_ROBOTS, Colour, Keys
+from emovid.scene.fields import MAX_DURATION, MAX_LENGTH, MAX_ROBOTS, Colour, Keys, Length
 
 MAX_FPS = 240
 MAX_GIF_FPS = 50  # browsers show a faster GIF at 10 frames a second
 MIN_SIDE, MAX_SIDE = 64, 8192  # pixels; H.264 level 6.2 ends at 8192
+MAX_FIELD_OF_VIEW = 150.0  # degrees; beyond, a flat picture shows its edges stretched fifteen times
 
 FormatName = Literal["mp4", "webm", "gif", "png-sequence"]
 ThemeName = Literal["light", "dark"]
+ViewName = Literal["overhead", "perspective"]
 OwnColour = Annotated[str, Field(pattern=r"^(#[0-9a-fA-F]{6}|theme)$")]
+
+
+class CameraKeys(Keys):
+    """The camera of the perspective view: a pinhole on the stage's middle line, before its lower edge."""
+
+    height: Length = Field(1.7, description="above the floor [m]; the paper's camera was at 1.70 m")
+    distance: Annotated[float, Field(ge=0, le=MAX_LENGTH)] | None = Field(
+        None,
+        description="along the floor to the middle of the stage [m]; null: its own height from the stage's near edge",
+    )
+    tilt: Annotated[float, Field(ge=0, le=90)] | None = Field(
+        None, description="of its axis below the horizontal [deg]; null: the stage is in the middle of the picture"
+    )
+    field_of_view: Annotated[float, Field(ge=1, le=MAX_FIELD_OF_VIEW)] | None = Field(
+        None, description="across the width of the picture [deg]; null: the stage fills the picture"
+    )
 
 
 class Trails(Keys):
@@ -100,6 +118,8 @@ class Video(Keys):
     )
     fps: Annotated[int, Field(ge=1, le=MAX_FPS)] = Field(30, description="frames per second")
     format: FormatName = Field("mp4", description="mp4 (H.264), webm (VP9), gif, or png-sequence: a folder of pictures")
+    view: ViewName = Field("overhead", description="overhead: from straight above; perspective: from the camera")
+    camera: CameraKeys = Field(CameraKeys(), description="where the camera of the perspective view stands and looks")
     trails: Trails = Field(Trails(), description="the lines some robots leave")
     overlays: Overlays = Field(Overlays(), description="what else is shown")
     theme: ThemeName = Field("light", description="light or dark: the colours that are not set themselves")

@@ -1,19 +1,22 @@
 """Trajectories on disk: .npz to work with and to render, .csv to look at."""
 
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
 
 from emovid.errors import InputError, SceneError
 from emovid.scene.load import Setting, parse_scene, scene_text
+from emovid.scene.model import Scene
+from emovid.scene.safety import Barrier
 from emovid.swarm.trajectory import Trajectory
 from emovid.whole_files import reason, writing
 
 SUFFIXES = (".npz", ".csv")
 _ARRAYS = ("t", "poses", "commands", "stage_cut", "separation_cut")
+_OF_BARRIER = ("bend", "relaxed")
 # Of every entry of the archive, so that equal runs are equal files: the earliest a zip file can say.
 _ZIP_TIME = (1980, 1, 1, 0, 0, 0)
 
@@ -47,18 +50,19 @@ def load_trajectory(source: Path, settings: Sequence[Setting] = ()) -> Trajector
     try:
         with source.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             scene = parse_scene(str(arrays["scene"]), f"{source}:scene", settings)
-            loaded = {name: arrays[name] for name in _ARRAYS}
+            names = _ARRAYS + (_OF_BARRIER if isinstance(scene.safety, Barrier) else ())
+            loaded = {name: arrays[name] for name in names}
     except OSError as error:
         raise InputError(f"{source}: cannot be read: {reason(error)}") from None
     except (ValueError, KeyError, EOFError, zipfile.BadZipFile):
         raise InputError(f"{source}: not a run: expected an .npz written by emovid simulate") from None
-    trajectory = Trajectory(scene, *(loaded[name] for name in _ARRAYS))
-    _check_shapes(trajectory, source)
-    return trajectory
+    _check_shapes(scene, loaded, source)
+    return Trajectory(scene, **loaded)
 
 
 def _write_npz(trajectory: Trajectory, file: IO[bytes]) -> None:
-    arrays = {name: getattr(trajectory, name) for name in _ARRAYS} | {"scene": np.array(scene_text(trajectory.scene))}
+    arrays = {name: array for name in _ARRAYS + _OF_BARRIER if (array := getattr(trajectory, name)) is not None}
+    arrays["scene"] = np.array(scene_text(trajectory.scene))
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, array in arrays.items():
             with archive.open(zipfile.ZipInfo(f"{name}.npy", _ZIP_TIME), "w", force_zip64=True) as entry:
@@ -72,9 +76,10 @@ def _write_csv(trajectory: Trajectory, file: IO[bytes]) -> None:
         file.write("".join(rows).encode())
 
 
-def _check_shapes(trajectory: Trajectory, source: Path) -> None:
-    samples, robots = len(trajectory.t), trajectory.scene.robots
-    expected = [(samples,), (samples, robots, 3), (samples - 1, robots, 2)] + 2 * [(samples - 1, robots)]
-    found = [getattr(trajectory, name).shape for name in _ARRAYS]
+def _check_shapes(scene: Scene, arrays: Mapping[str, Any], source: Path) -> None:
+    samples, robots = len(arrays["t"]), scene.robots
+    of_period = (samples - 1, robots)
+    expected = [(samples,), (samples, robots, 3), (*of_period, 2), *((len(arrays) - 3) * [of_period])]
+    found = [array.shape for array in arrays.values()]
     if samples < 2 or found != expected:
         raise InputError(f"{source}: not a run: arrays of shapes {found} for {robots} robots")

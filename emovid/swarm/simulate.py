@@ -1,5 +1,6 @@
 """From a scene to its trajectory: the door of this room. Nothing here knows of frames, trails or files."""
 
+import warnings
 from collections.abc import Callable
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 from emovid.scene.behaviour import Coverage
 from emovid.scene.model import Scene
 from emovid.scene.robots import Robot
+from emovid.scene.safety import Barrier
 from emovid.swarm.arrays import Array, Mask
 from emovid.swarm.clearance import share_apart, share_on_stage
 from emovid.swarm.contours import followed_points, start_angles
@@ -23,7 +25,7 @@ def simulate(scene: Scene, on_period: Callable[[int, int], None] | None = None) 
     """Return the run of a scene: the same for the same scene and seed, bit for bit.
 
     Once in a control period each robot evaluates its law, turns it into a command and holds that to the period's end,
-    as a robot's firmware does.
+    as a robot's firmware does. A barrier may change commands more often: once in its own period.
 
     Args:
         scene: what to run; its `video` has no influence.
@@ -31,24 +33,43 @@ def simulate(scene: Scene, on_period: Callable[[int, int], None] | None = None) 
 
     Raises:
         SceneError: if the robots cannot start where the scene says.
+
+    Warns:
+        RuntimeWarning: once, where a barrier's program has no solution: with the time and the robots.
     """
     rng = np.random.default_rng(scene.seed)
-    t = sample_times(scene.duration, scene.control_period)
+    t = sample_times(scene.duration, scene.step)
     law = _law(scene)
     periods = len(t) - 1
     poses = np.empty((len(t), scene.robots, 3))
     commands = np.empty((periods, scene.robots, 2))
     stage_cut = np.zeros((periods, scene.robots), dtype=bool)
     separation_cut = np.zeros_like(stage_cut)
+    barrier = scene.safety if isinstance(scene.safety, Barrier) else None
+    if barrier:  # few scenes have one, and scipy.optimize takes longer to import than a run takes
+        from emovid.swarm.barrier import certified  # noqa: PLC0415
+    bend, relaxed = np.zeros(stage_cut.shape), np.zeros_like(stage_cut)
     poses[0] = start_poses(scene, rng)
     for k in range(periods):
         seconds = t[k + 1] - t[k]
-        poses[k], wanted = _command(scene.robot, poses[k], law(t[k], poses[k]))
-        commands[k], stage_cut[k], separation_cut[k] = _cut(scene, poses[k], wanted, seconds)
+        if k % scene.steps_held == 0:
+            poses[k], wanted = _command(scene.robot, poses[k], law(t[k], poses[k]))
+            aim = poses[k, :, 2].copy()
+        elif not scene.robot.body.steers:
+            poses[k, :, 2] = aim
+        if barrier:
+            poses[k, :, 2], commands[k], bend[k], relaxed[k] = certified(
+                poses[k], wanted, seconds, scene.robot, scene.stage, barrier
+            )
+            if relaxed[k].any() and not relaxed[:k].any():
+                _warn(t[k], relaxed[k])
+        else:
+            commands[k], stage_cut[k], separation_cut[k] = _cut(scene, poses[k], wanted, seconds)
         poses[k + 1] = move(poses[k], commands[k], seconds)
         if on_period:
             on_period(k + 1, periods)
-    return Trajectory(scene, t, poses, commands, stage_cut, separation_cut)
+    kept = (bend, relaxed) if barrier else ()
+    return Trajectory(scene, t, poses, commands, stage_cut, separation_cut, *kept)
 
 
 def check_start(scene: Scene) -> None:
@@ -88,15 +109,26 @@ def _command(robot: Robot, poses: Array, u: Array) -> tuple[Array, Array]:
         speed = robot.K * np.hypot(u[:, 0], u[:, 1])
         poses[:, 2] = np.where(speed > 0, np.arctan2(u[:, 1], u[:, 0]), poses[:, 2])
         commands = np.stack([speed, np.zeros_like(speed)], axis=-1)
-    return poses, within_limits(commands, robot.limits, robot.body.wheel_base)
+    return poses, within_limits(commands, robot.limits, robot.body.wheel_base, robot.saturation == "clip")
+
+
+def _warn(t: float, relaxed: Mask) -> None:
+    robots = ", ".join(str(i + 1) for i in np.flatnonzero(relaxed))
+    message = (
+        f"the barrier has no solution at {t:.3g} s: robots {robots} are nearer to each other or a wall than the "
+        "spacing, and cannot part as they should; they part as fast as they can and come no nearer"
+    )
+    warnings.warn(message, RuntimeWarning, stacklevel=3)
 
 
 def _cut(scene: Scene, poses: Array, commands: Array, seconds: float) -> tuple[Array, Mask, Mask]:
     """Return the commands with v cut to what fits, and whether it was for the stage and for the separation."""
     radius, law = scene.robot.body.radius, scene.behaviour
     on_stage = share_on_stage(poses, commands, seconds, scene.stage, radius)
-    commands = commands * np.stack([on_stage, np.ones_like(on_stage)], axis=-1)
-    if not isinstance(law, Coverage) or law.separation is None:
-        return commands, on_stage < 1, np.zeros(len(poses), dtype=bool)
-    apart = share_apart(poses, commands, seconds, radius, law.separation)
-    return commands * np.stack([apart, np.ones_like(apart)], axis=-1), on_stage < 1, apart < 1
+    commands = commands.copy()
+    commands[:, 0] *= on_stage
+    apart = np.ones_like(on_stage)
+    if isinstance(law, Coverage) and law.separation is not None:
+        apart = share_apart(poses, commands, seconds, radius, law.separation)
+        commands[:, 0] *= apart
+    return commands, on_stage < 1, apart < 1

@@ -22,6 +22,8 @@ class Trajectory:
         commands: (T-1, N, 2) = v [m/s], omega [rad/s], held from one sample to the next.
         stage_cut: (T-1, N), whether v was cut to keep the body on the stage.
         separation_cut: (T-1, N), whether v was cut to keep bodies apart.
+        bend: (T-1, N), how far a barrier moved each command [m/s], as `Certified` says; None without a barrier.
+        relaxed: (T-1, N), where its program had no solution and this robot was too near to another; None without one.
     """
 
     scene: Scene
@@ -30,6 +32,8 @@ class Trajectory:
     commands: Array
     stage_cut: Mask
     separation_cut: Mask
+    bend: Array | None = None
+    relaxed: Mask | None = None
 
     def at(self, times: Array) -> Array:
         """Return the poses (F, N, 3) at `times` (F,) [s] within the run.

@@ -54,17 +54,27 @@ def wrapped(angle: Array) -> Array:
     return np.pi - np.mod(np.pi - angle, 2 * np.pi)
 
 
-def within_limits(commands: Array, limits: Limits | None, wheel_base: float) -> Array:
+def within_limits(commands: Array, limits: Limits | None, wheel_base: float, clip: bool = False) -> Array:
     """Return the commands scaled to what the motors can do, v and omega alike, so that the path keeps its curvature.
 
     Args:
         commands: (N, 2).
         limits: of v [m/s], omega [rad/s] and the wheels' speed [m/s]; None for no limits.
         wheel_base: distance of the wheels [m]; a wheel runs at v -+ omega wheel_base / 2.
+        clip: cut each wheel's speed alone first, which bends the path, as the Robotarium's simulator does.
     """
     if limits is None:
         return commands
+    if clip and limits.wheel_max is not None:
+        commands = _clipped(commands, limits.wheel_max, wheel_base)
     v, omega = np.abs(commands[..., 0]), np.abs(commands[..., 1])
     demands = ((v, limits.v_max), (omega, limits.omega_max), (v + wheel_base / 2 * omega, limits.wheel_max))
     excess = np.max([np.ones_like(v)] + [demand / most for demand, most in demands if most is not None], axis=0)
     return commands / excess[..., None]
+
+
+def _clipped(commands: Array, wheel_max: float, wheel_base: float) -> Array:
+    """Return the commands with each wheel's speed cut to at most `wheel_max` [m/s]."""
+    v, difference = commands[..., 0], wheel_base / 2 * commands[..., 1]
+    left, right = (np.clip(wheel, -wheel_max, wheel_max) for wheel in (v - difference, v + difference))
+    return np.stack([(left + right) / 2, (right - left) / wheel_base], axis=-1)

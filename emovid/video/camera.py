@@ -5,10 +5,10 @@ from typing import Self
 
 import numpy as np
 
+from emovid.perspective.pinhole import Pinhole
 from emovid.scene.stage import Stage
+from emovid.scene.view import MARGIN
 from emovid.swarm.arrays import Array
-
-MARGIN = 0.035  # of the frame's smaller side, left free around the stage
 
 
 @dataclass(frozen=True)
@@ -34,6 +34,11 @@ class Camera:
         scale = min((width - margin) / (right - left), (height - margin) / (top - bottom))
         return cls(width, height, scale, ((left + right) / 2, (bottom + top) / 2))
 
+    @property
+    def finest(self) -> float:
+        """Most pixels per metre anywhere on the stage: everywhere the same."""
+        return self.scale
+
     def pixels(self, points: Array) -> Array:
         """Return where points (..., 2) [m] lie in the frame [pixels], from its lower left corner, y upwards."""
         return self.scale * (points - np.array(self.centre)) + np.array([self.width, self.height]) / 2
@@ -41,3 +46,15 @@ class Camera:
     def metres(self, pixels: Array) -> Array:
         """Return where places in the frame (..., 2) [pixels] lie on the stage [m]: the inverse of `pixels`."""
         return (pixels - np.array([self.width, self.height]) / 2) / self.scale + np.array(self.centre)
+
+    def turns(self, points: Array, radius: float) -> Array:
+        """Return the maps (N, 3, 3) from the unit circle to discs at points (N, 2) [m], of a radius [pixels]."""
+        return np.repeat(np.diag([radius, radius, 1.0])[None], len(points), axis=0)
+
+    def cover(self, stage: Stage, pixels: Array) -> Array:
+        """Return whether places in the frame (..., 2) [pixels] show the stage: 1.0 or 0.0."""
+        x, y = np.moveaxis(self.metres(pixels), -1, 0)
+        return np.all([edge.x * x + edge.y * y <= edge.offset for edge in stage.edges], axis=0).astype(float)
+
+
+AnyCamera = Camera | Pinhole

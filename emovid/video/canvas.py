@@ -110,6 +110,18 @@ class Canvas:
         self._collection([outline], _NONE, rgba([edge]), 2 * width)
         self._collection([outline], rgba([face]), _NONE, 0.0)
 
+    def fill(self, outlines: Sequence[Path], colours: Array, low: Array, high: Array) -> None:
+        """Draw what is within outlines [pixels], one over the other.
+
+        Args:
+            outlines: at least one.
+            colours: (1, 4), or one for each outline.
+            low: corners of boxes (B, 2) that together hold them [pixels].
+            high: the corners opposite.
+        """
+        self._cover(low, high)
+        self._collection(outlines, colours, _NONE, 0.0)
+
     def restore(self) -> None:
         """Bring back the background where something covers it."""
         for top, bottom, left, right in self._covered:

@@ -9,22 +9,21 @@ from itertools import pairwise
 import numpy as np
 from matplotlib.colors import to_rgba
 
-from emovid.looks import robot_parts, robot_rim, trailed_robots
+from emovid.looks import trailed_robots
+from emovid.perspective.solids import Colouring
 from emovid.scene.behaviour import Coverage
 from emovid.scene.video import Video
 from emovid.swarm.arrays import Array
-from emovid.swarm.coverage import corners_of
 from emovid.swarm.densities import density_of
 from emovid.swarm.trajectory import Trajectory
 from emovid.video import overlays
-from emovid.video.camera import Camera
-from emovid.video.canvas import Box, Canvas, Layer, Pixels, rgba
+from emovid.video.camera import AnyCamera
+from emovid.video.canvas import Box, Canvas, Pixels, rgba
+from emovid.video.view import VIEWS
 
 _FLATNESS = 0.1  # pixels by which a trail may stray from its arcs
 _SLICE = 1.0  # seconds of a trail drawn in one go
 _SHADES = 16  # steps in which a trail fades
-_EDGE = 0.003  # width of the line around the stage [m]
-_HALO = 0.0012  # width of the light rim that lifts a robot off the trails [m]
 
 
 class Painter:
@@ -42,18 +41,23 @@ class Painter:
     def __init__(self, trajectory: Trajectory, video: Video | None = None) -> None:
         scene = trajectory.scene
         self.video = video or scene.video
-        self.camera = Camera.framing(scene.stage, self.video.width, self.video.height)
         self._trajectory = trajectory
         # The robots of a frame stand at the ends of its trails, which start where others did.
         self._poses = lru_cache(maxsize=2 * _SHADES)(lambda t: trajectory.at(np.array([t]))[0])
         self._colours = self.video.palette
         self._canvas = Canvas(self.video.width, self.video.height, self._colours.surround)
         self._trailed = trailed_robots(scene.robots, self.video.trails.robots)
-        self._trails = [self._trail(robot) for robot in self._trailed]
         self._trail_colours = self._shades()
-        self._robot = self._robot_layers()
+        self._view = VIEWS[self.video.view](scene, self.video, self._colouring())
+        tolerance = _FLATNESS / self.camera.finest
+        self._trails = [trajectory.trace(robot, tolerance) for robot in self._trailed]
         self._draw_stage()
         self._empty, self._slices = self._canvas.pixels.copy(), 0
+
+    @property
+    def camera(self) -> AnyCamera:
+        """What sees the stage."""
+        return self._view.camera
 
     def frame(self, t: float) -> Pixels:
         """Return the frame (height, width, 4) at time `t` [s]: RGBA, row 0 on top, overwritten by the next call."""
@@ -63,7 +67,7 @@ class Painter:
         if self.video.overlays.cells:
             cells = overlays.cells_of(self._trajectory.scene.stage, poses[:, :2])
             overlays.draw_cells(self._canvas, self.camera, cells, self._colours.overlay)
-        self._draw_robots(poses)
+        self._view.draw_robots(self._canvas, poses)
         if self.video.overlays.targets:
             targets = overlays.targets_of(self._trajectory.scene, poses[:, :2], t)
             overlays.draw_targets(self._canvas, self.camera, poses[:, :2], targets, self._colours)
@@ -84,36 +88,35 @@ class Painter:
         self._canvas.restore()
         if complete > self._slices:
             for i in range(self._slices, complete):
-                self._draw_slice(i * _SLICE, (i + 1) * _SLICE)
+                self._draw_slice(i * _SLICE, (i + 1) * _SLICE, 0.0)
             self._slices = complete
             self._canvas.keep()
 
     def _draw_trails(self, t: float) -> None:
         """Draw what the background does not hold."""
         seconds = self.video.trails.seconds
-        since = self._slices * _SLICE if seconds is None else max(t - seconds, 0.0)
+        oldest = 0.0 if seconds is None else max(t - seconds, 0.0)
         if seconds and self.video.trails.fade:
             cuts = t - seconds * np.linspace(1, 0, _SHADES + 1)
             for shade, (start, end) in enumerate(pairwise(cuts)):
-                self._draw_slice(max(start, 0.0), end, shade)
+                self._draw_slice(max(start, 0.0), end, oldest, shade)
             return
+        since = max(self._slices * _SLICE, oldest)
         for i in range(int(since // _SLICE), int(t // _SLICE) + 1):
-            self._draw_slice(max(i * _SLICE, since), min((i + 1) * _SLICE, t))
+            self._draw_slice(max(i * _SLICE, since), min((i + 1) * _SLICE, t), oldest)
 
-    def _draw_slice(self, start: float, end: float, shade: int = -1) -> None:
-        """Draw each trail from time `start` to time `end` [s]."""
+    def _draw_slice(self, start: float, end: float, oldest: float, shade: int = -1) -> None:
+        """Draw each trail, of which there is nothing before the time `oldest` [s], from time `start` to time `end`."""
         if end <= start or not len(self._trailed):
             return
-        first_ends, last_ends = (self.camera.pixels(self._poses(t)[self._trailed, None, :2]) for t in (start, end))
-        lines = []
+        first_ends, last_ends = (self._poses(t)[self._trailed, None, :2] for t in (start, end))
+        lines, before = [], []
         for (times, points), first_end, last_end in zip(self._trails, first_ends, last_ends, strict=True):
             first, last = times.searchsorted([start, end], side="right")
             lines.append(np.concatenate([first_end, points[first:last], last_end]))
-        self._canvas.lines(lines, self._trail_colours[shade], self.video.trails.width * self.camera.scale)
-
-    def _trail(self, robot: int) -> tuple[Array, Array]:
-        times, points = self._trajectory.trace(robot, _FLATNESS / self.camera.scale)
-        return times, self.camera.pixels(points)
+            earlier = times.searchsorted(start) - 1
+            before.append(points[earlier] if start > oldest and earlier >= 0 else None)
+        self._view.draw_lines(self._canvas, lines, self._trail_colours[shade], self.video.trails.width, before)
 
     def _shades(self) -> Array:
         """Return the colours of the trails (_SHADES, trails, 4) by age, from nearly the stage's to their own."""
@@ -123,35 +126,16 @@ class Painter:
         # Mixed, not translucent: where two pieces of a trail overlap, nothing shows.
         return full * share + np.array(to_rgba(self._colours.stage)) * (1 - share)
 
-    def _robot_layers(self) -> list[Layer]:
+    def _colouring(self) -> Colouring:
         colours, robots = self._colours, self._trajectory.scene.robots
         bodies = np.tile(to_rgba(colours.body), (robots, 1))
         bodies[self._trailed] = self._trail_colours[-1]
-        parts = robot_parts(self._trajectory.scene.robot.body)
-        faces = {"wheels": rgba([colours.wheels]), "body": bodies, "front": rgba([colours.front])}
-        halo = Layer(robot_rim(self._trajectory.scene.robot.body, _HALO), rgba([colours.stage]))
-        return [halo, *(Layer(path, faces[name]) for name, path in parts.items())]
+        return Colouring(bodies, *rgba([colours.wheels, colours.front]))
 
     def _draw_stage(self) -> None:
         scene, colours = self._trajectory.scene, self._colours
-        corners = self.camera.pixels(corners_of(scene.stage))
-        self._canvas.polygon(corners, colours.stage, colours.boundary, _EDGE * self.camera.scale)
+        self._view.draw_stage(self._canvas)
         if self.video.overlays.density and isinstance(scene.behaviour, Coverage):
             density = density_of(scene.behaviour.density, scene.stage)
             overlays.paint_density(self._canvas.pixels, self.camera, scene.stage, density, colours.density)
         self._canvas.keep()
-
-    def _draw_robots(self, poses: Array) -> None:
-        turns = _turns(poses[:, 2]) * np.array([[self.camera.scale], [self.camera.scale], [1]])
-        reach = (self._trajectory.scene.robot.body.radius + _HALO) * self.camera.scale
-        self._canvas.stamp(self._robot, turns, self.camera.pixels(poses[:, :2]), reach)
-
-
-def _turns(headings: Array) -> Array:
-    """Return rotations (N, 3, 3) by the headings (N,) [rad]."""
-    turns = np.zeros((len(headings), 3, 3))
-    turns[:, 0, 0] = turns[:, 1, 1] = np.cos(headings)
-    turns[:, 1, 0] = np.sin(headings)
-    turns[:, 0, 1] = -turns[:, 1, 0]
-    turns[:, 2, 2] = 1
-    return turns

@@ -22,9 +22,10 @@ from emovid.errors import InputError, RenderError
 from emovid.signals import held_signals
 from emovid.video.canvas import Pixels
 from emovid.video.formats import PICTURE, is_picture
-from emovid.whole_files import reason, whole_file, whole_folder
+from emovid.whole_files import cause, reason, whole_file, whole_folder
 
 _GRACE = 60  # seconds ffmpeg may take to accept more of a frame, and to finish a file once it has all of them
+_INSTALL = "reinstall imageio-ffmpeg, or set IMAGEIO_FFMPEG_EXE"
 _SYSTEM_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS, errno.EACCES, errno.ENOENT)
 _PATIENCE = 600  # seconds ffmpeg may take to say its version, or how many frames a file has
 
@@ -82,7 +83,7 @@ def ffmpeg() -> str:
     try:
         return str(imageio_ffmpeg.get_ffmpeg_exe())
     except RuntimeError:
-        raise RenderError("no ffmpeg found: reinstall imageio-ffmpeg, or set IMAGEIO_FFMPEG_EXE") from None
+        raise RenderError(f"no ffmpeg found: {_INSTALL}") from None
 
 
 @cache
@@ -107,7 +108,7 @@ def _ask(arguments: list[str]) -> "subprocess.CompletedProcess[str]":
             [ffmpeg(), *arguments], capture_output=True, text=True, errors="replace", check=False, timeout=_PATIENCE
         )
     except OSError as error:
-        raise RenderError(f"ffmpeg cannot be started: {ffmpeg()}: {reason(error)}") from None
+        raise RenderError(f"ffmpeg cannot be started: {ffmpeg()}: {reason(error)}: {_INSTALL}") from None
     except subprocess.TimeoutExpired:
         raise RenderError(f"ffmpeg does not answer: {ffmpeg()}") from None
 
@@ -155,7 +156,8 @@ def _start(command: list[str], target: Path, log: IO[bytes]) -> "subprocess.Pope
             process_group=0,  # Ctrl-C is ours to handle
         )
     except OSError as error:
-        raise RenderError(f"{target}: ffmpeg cannot be started: {command[0]}: {reason(error)}") from None
+        why = f"{command[0]}: {reason(error)}: {_INSTALL}"
+        raise RenderError(f"{target}: ffmpeg cannot be started: {why}") from None
 
 
 def _feed(process: "subprocess.Popen[bytes]", frames: Iterable[Pixels], on_frame: Callable[[int], None] | None) -> None:
@@ -196,7 +198,11 @@ def _cause(log: IO[bytes], status: int) -> str:
     """Return what ffmpeg says went wrong, first of all the system's reason; or the signal that ended it."""
     log.seek(0)
     lines = log.read().decode(errors="replace").strip().splitlines()
-    reasons = tuple(os.strerror(number) for number in _SYSTEM_ERRORS)
+    for number in _SYSTEM_ERRORS:
+        if any(line.endswith(os.strerror(number)) for line in lines):
+            return cause(number)
     if lines:
-        return next((line for line in lines if line.endswith(reasons)), lines[-1])
+        return re.sub(r"^\[.* @ 0x[0-9a-f]+\] ", "", lines[-1])  # who says so, and at which address
+    if status == -signal.SIGXFSZ:
+        return cause(errno.EFBIG)
     return (signal.strsignal(-status) or "").lower() if status < 0 else "no message"

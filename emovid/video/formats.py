@@ -4,6 +4,7 @@ All are made for equal bytes on every processor: `bitexact` everywhere, one thre
 or a version.
 """
 
+import re
 from pathlib import Path
 from typing import Literal, NamedTuple
 
@@ -52,9 +53,21 @@ FORMATS: dict[FormatName, Format] = {
 }
 
 
-def encoder_arguments(width: int, height: int, fps: int, format: FormatName = "mp4") -> list[str]:
-    """Return ffmpeg's arguments between the executable and the output, for frames on its stdin."""
+def encoder_arguments(
+    width: int, height: int, fps: int, format: FormatName = "mp4", crf: int | None = None
+) -> list[str]:
+    """Return ffmpeg's arguments between the executable and the output, for frames on its stdin.
+
+    Args:
+        width: of the frames [pixels].
+        height: likewise.
+        fps: frames per second.
+        format: of the video.
+        crf: the constant rate factor of an mp4 or webm, if not the format's own: the larger, the smaller the file.
+    """
     _, pixels, arguments = FORMATS[format]
+    if crf is not None:
+        arguments = re.sub(r"-crf \d+", f"-crf {crf}", arguments)
     return [
         *("-hide_banner", "-nostdin", "-v", "error", "-y"),
         *("-f", "rawvideo", "-pix_fmt", pixels, "-s", f"{width}x{height}", "-r", str(fps), "-i", "pipe:0", "-an"),

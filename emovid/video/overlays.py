@@ -14,12 +14,13 @@ from emovid.scene.behaviour import Coverage
 from emovid.scene.model import Scene
 from emovid.scene.stage import Stage
 from emovid.scene.video import Colours
+from emovid.scene.view import MARGIN
 from emovid.swarm.arrays import Array
 from emovid.swarm.contours import followed_points, start_angles
 from emovid.swarm.coverage import corners_of, mass_and_centroid
 from emovid.swarm.densities import Density, density_of
 from emovid.swarm.voronoi import voronoi_cells
-from emovid.video.camera import MARGIN, Camera
+from emovid.video.camera import AnyCamera
 from emovid.video.canvas import Canvas, Layer, Pixels, rgba
 
 _LINE = 0.0015  # width of thin lines [m]
@@ -47,39 +48,38 @@ def targets_of(scene: Scene, points: Array, t: float) -> Array:
     return mass_and_centroid(points, corners_of(scene.stage), density)[1]
 
 
-def paint_density(picture: Pixels, camera: Camera, stage: Stage, density: Density, colour: str) -> None:
+def paint_density(picture: Pixels, camera: AnyCamera, stage: Stage, density: Density, colour: str) -> None:
     """Tint the stage in `picture` (height, width, 4): not at all where the density is 0, to `colour` where it peaks."""
-    left, bottom, right, top = stage.box
-    (first, low), (last, high) = camera.pixels(np.array([[left, bottom], [right, top]]))
+    corners = camera.pixels(corners_of(stage))
+    (first, low), (last, high) = corners.min(axis=0), corners.max(axis=0)
     rows = np.arange(int(camera.height - high), min(int(camera.height - low) + 1, camera.height))
     columns = np.arange(int(first), min(int(last) + 1, camera.width))
     middles = np.stack(np.meshgrid(columns + 0.5, camera.height - rows - 0.5), axis=-1)
     x, y = np.moveaxis(camera.metres(middles), -1, 0)
-    phi = density.phi(x, y)
-    inside = np.all([edge.x * x + edge.y * y <= edge.offset for edge in stage.edges], axis=0)
-    share = np.where(inside, phi, 0.0)[..., None] / phi[inside].max()
+    phi, cover = density.phi(x, y), camera.cover(stage, middles)
+    share = np.where(cover > 0, cover * phi, 0.0)[..., None] / phi[cover > 0.5].max()
     part = picture[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1, :3]
     part[:] = np.round(part + share * (255 * np.array(to_rgb(colour)) - part))
 
 
-def draw_cells(canvas: Canvas, camera: Camera, cells: Array, colour: str) -> None:
+def draw_cells(canvas: Canvas, camera: AnyCamera, cells: Array, colour: str) -> None:
     """Draw the edges of cells (N, M, 2) [m] as thin lines."""
     rings = camera.pixels(np.concatenate([cells, cells[:, :1]], axis=1))
     canvas.lines(list(rings), _faint(colour, _CELL_OPACITY), _thin(camera))
 
 
-def draw_targets(canvas: Canvas, camera: Camera, points: Array, targets: Array, colours: Colours) -> None:
+def draw_targets(canvas: Canvas, camera: AnyCamera, points: Array, targets: Array, colours: Colours) -> None:
     """Draw the targets (N, 2) [m] of robots at `points` (N, 2) [m]: a dot, and a thin line from the robot to it."""
     ends = camera.pixels(np.stack([points, targets], axis=1))
     canvas.lines(list(ends), _faint(colours.overlay, _TARGET_OPACITY), _thin(camera))
     radius = max(_DOT * camera.scale, 1.5 * _THIN)
     rim = Path.unit_circle().transformed(Affine2D().scale(_RIM))
     dot = [Layer(rim, rgba([colours.stage])), Layer(Path.unit_circle(), rgba([colours.overlay]))]
-    turns = np.repeat(np.diag([radius, radius, 1.0])[None], len(targets), axis=0)
-    canvas.stamp(dot, turns, ends[:, 1], _RIM * radius)
+    turns = camera.turns(targets, radius)
+    canvas.stamp(dot, turns, ends[:, 1], _RIM * float(np.linalg.norm(turns[:, :2, :2], ord=2, axis=(1, 2)).max()))
 
 
-def draw_clock(canvas: Canvas, camera: Camera, t: float, colour: str) -> None:
+def draw_clock(canvas: Canvas, camera: AnyCamera, t: float, colour: str) -> None:
     """Write the time `t` [s], to a tenth, in the upper left corner: in the margin, off any stage."""
     margin = MARGIN * min(camera.width, camera.height)
     outline = _text(f"{t:.1f} s")
@@ -101,7 +101,7 @@ def _text(text: str) -> Path:
     return Path(np.asarray(outline.vertices) / large, outline.codes)
 
 
-def _thin(camera: Camera) -> float:
+def _thin(camera: AnyCamera) -> float:
     return max(_LINE * camera.scale, _THIN)
 
 

@@ -19,7 +19,13 @@ from emovid.video.yuv import Yuv420
 _SAMPLES = 8  # frames that a GIF's colours are chosen from
 
 
-def render_video(trajectory: Trajectory, target: Path, on_frame: Callable[[int], None] | None = None) -> str:
+def render_video(
+    trajectory: Trajectory,
+    target: str | Path,
+    on_frame: Callable[[int], None] | None = None,
+    *,
+    crf: int | None = None,
+) -> str:
     """Write a trajectory as a video into `target`: complete, or not at all.
 
     Frame k shows the time k / fps.
@@ -28,6 +34,7 @@ def render_video(trajectory: Trajectory, target: Path, on_frame: Callable[[int],
         trajectory: with the scene whose `video` is the look, and the format.
         target: in a folder that exists; itself a folder if the format is a sequence of pictures.
         on_frame: called with the number of frames done.
+        crf: see `encoder_arguments`.
 
     Returns:
         The checksum of the frames, in hexadecimal: where files differ, it tells whether frames do.
@@ -39,7 +46,7 @@ def render_video(trajectory: Trajectory, target: Path, on_frame: Callable[[int],
     scene = trajectory.scene
     write = write_pictures if scene.video.format == "png-sequence" else write_video
     drawn = _Drawn(trajectory)
-    write(_encodable(drawn, trajectory), scene.frames, video_arguments(scene.video), target, on_frame)
+    write(_encodable(drawn, trajectory), scene.frames, video_arguments(scene.video, crf), Path(target), on_frame)
     return drawn.checksum
 
 
@@ -58,9 +65,9 @@ def frames(trajectory: Trajectory) -> Iterator[Pixels]:
         yield painter.frame(t)
 
 
-def video_arguments(video: Video) -> list[str]:
-    """Return the encoder's arguments for a scene's video."""
-    return encoder_arguments(video.width, video.height, video.fps, video.format)
+def video_arguments(video: Video, crf: int | None = None) -> list[str]:
+    """Return the encoder's arguments for a scene's video. See `encoder_arguments`."""
+    return encoder_arguments(video.width, video.height, video.fps, video.format, crf)
 
 
 class _Drawn:

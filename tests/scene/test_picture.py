@@ -1,3 +1,5 @@
+import os
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +9,7 @@ from PIL import Image
 from emovid.errors import SceneError
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import load_scene, parse_scene, scene_digest, scene_text, shipped_scene
-from emovid.scene.picture import MAX_SIDE, picture_of
+from emovid.scene.picture import MAX_BYTES, MAX_SIDE, picture_of
 from emovid.swarm.files import load_trajectory, save_trajectory
 from emovid.swarm.simulate import simulate
 
@@ -78,7 +80,18 @@ def cut_off(path: Path) -> None:
     path.write_bytes(path.read_bytes()[:2000])
 
 
+def with_header(path: Path, header: bytes) -> None:
+    """Replace the header of a PNG, as a chunk of the right checksum."""
+    png, chunk = path.read_bytes(), b"IHDR" + header
+    path.write_bytes(png[:8] + len(header).to_bytes(4) + chunk + zlib.crc32(chunk).to_bytes(4) + png[33:])
+
+
 SPOILT = {
+    "too large: more than 32 MB": lambda path: os.truncate(path, MAX_BYTES + 1),
+    "too large: more pixels than any density needs": lambda path: with_header(
+        path, 2 * (20_000).to_bytes(4) + b"\x08\0\0\0\0"
+    ),
+    "a broken PNG": lambda path: with_header(path, b"\0\0\0\x09"),
     "cannot be read: no such file or directory": Path.unlink,
     "no PNG: expected a grey-scale picture": lambda path: path.write_bytes(b"GIF89a"),
     "cannot be read: image file is truncated": cut_off,

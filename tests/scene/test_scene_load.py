@@ -79,12 +79,13 @@ def test_shipped_scene_is_what_the_study_shows(emotion):
     assert scene.emotion == emotion
     assert (scene.duration, scene.video.size, scene.video.fps, scene.robots) == (15, "1280x720", 30, 15)
     assert (scene.video.width, scene.video.height) == (1280, 720)
-    assert scene.robot.model == "gritsbot"
+    assert scene.robot.body.name == "gritsbot"
 
 
 @each_emotion
 def test_shipped_scene_has_the_papers_behaviour(emotion):
-    assert BEHAVIOURS[emotion].items() <= {key.split(".")[-1]: v for key, v in leaves(raw_of(emotion)).items()}.items()
+    written = leaves(raw_of(emotion)["behaviour"])
+    assert BEHAVIOURS[emotion].items() <= {key.split(".")[-1]: value for key, value in written.items()}.items()
 
 
 @each_emotion
@@ -118,7 +119,9 @@ def test_config_has_one_key_a_line(emotion):
 
 @each_emotion
 def test_config_spells_out_every_key(emotion):
-    assert leaves(raw_of(emotion)).keys() == leaves(load_scene(emotion).resolved()).keys()
+    resolved = load_scene(emotion).resolved()
+    resolved["robot"]["model"] = resolved["robot"]["model"]["name"]  # its other keys are in its own file
+    assert leaves(raw_of(emotion)).keys() == leaves(resolved).keys()
 
 
 # --- text and digest -------------------------------------------------------------------------------------------------
@@ -169,8 +172,9 @@ def test_digest_counts_defaults_left_out():
 
 
 def another(key, value):
-    words = {"model": "single_integrator", "size": "640x360", "limits": {"v_max": 0.1}, "seconds": 3,
-             "format": "webm", "theme": "dark"}  # fmt: skip
+    words = {"kinematics": "single_integrator", "wheel_max": 0.1, "size": "640x360", "limits": {"v_max": 0.1},
+             "seconds": 3, "format": "webm", "theme": "dark", "snapshots": [0, 1], "view": "perspective",
+             "distance": 2, "tilt": 30, "field_of_view": 60, "lights": [{"x": 0, "y": 0, "radius": 0.001}]}  # fmt: skip
     name = key.split(".")[-1]
     if name in words:
         return words[name]
@@ -185,11 +189,13 @@ def another(key, value):
 
 @each_emotion
 def test_digest_changes_with_any_value(emotion):
-    resolved = load_scene(emotion).resolved()
-    needy = ("law", "shape", "kind", "place", "fade", "density")  # other values of these need other keys
+    scene = load_scene(emotion)
+    resolved, text = scene.resolved(), scene_text(scene)
+    needy = ("law", "shape", "kind", "place", "fade", "density", "saturation")  # other values of these need other keys
     free = [key for key in leaves(resolved) if key.split(".")[-1] not in needy]
     digests = {
-        key: scene_digest(load_scene(emotion, [Setting(key, another(key, leaves(resolved)[key]), key)])) for key in free
+        key: scene_digest(parse_scene(text, "f.yaml", [Setting(key, another(key, leaves(resolved)[key]), key)]))
+        for key in free
     }
     assert len(free) >= 30
     assert len({*digests.values(), scene_digest(load_scene(emotion))}) == len(free) + 1
@@ -332,3 +338,9 @@ def test_fault_names_the_line_of_a_list_item():
     assert scene.fault("start.poses.0", "").where == "f.yaml:17"
     assert scene.fault("start.poses.2", "").where == "f.yaml:21"
     assert scene.fault("start.poses.2.y", "").where == "f.yaml:22"
+
+
+def test_keys_are_replaced_by_a_mapping_too_and_a_wrong_one_is_named() -> None:
+    assert load_scene("anger", {"robot.l": 0.002, "video": {"fps": 5}}).video.fps == 5
+    with pytest.raises(SceneError, match=r"^robot\.k: unknown key \(did you mean robot\.K\?\)$"):
+        load_scene("anger", {"robot.k": 2})

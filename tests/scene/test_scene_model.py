@@ -4,7 +4,7 @@ import pytest
 
 from emovid.errors import nearest
 from emovid.scene.load import Setting, load_scene
-from emovid.scene.robots import BODIES
+from emovid.scene.robot_files import load_robot
 
 
 @pytest.mark.parametrize(
@@ -29,12 +29,12 @@ def test_frames_are_duration_times_fps(duration, fps, frames):
 def test_radius_of_a_gritsbot():
     # Its square: corners' centres at (9, 9) mm and 6 mm around them, 9 sqrt 2 + 6 = 18.73 mm from the origin. Its
     # wheels reach further: 35 / 2 + 3 / 2 = 19 mm out and 5 mm ahead, sqrt(19^2 + 5^2) = sqrt 386 = 19.65 mm.
-    assert BODIES["gritsbot"].radius == pytest.approx(0.001 * sqrt(386), rel=1e-12)
+    assert load_robot("gritsbot").radius == pytest.approx(0.001 * sqrt(386), rel=1e-12)
 
 
 def test_radius_of_a_single_integrator():
     # A disc of 30 mm: corners' centres at the origin and 15 mm around them.
-    assert BODIES["single_integrator"].radius == pytest.approx(0.015, rel=1e-12)
+    assert load_robot("single_integrator").radius == pytest.approx(0.015, rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -37,3 +37,46 @@ def inside(picture: np.ndarray, boxes: list[tuple[int, int, int, int]]) -> np.nd
     for top, bottom, left, right in boxes:
         mask[top:bottom, left:right] = True
     return mask
+
+
+def hits_of_rays(
+    eye: tuple[float, float, float],
+    tilt: float,
+    focal: float,
+    size: tuple[int, int],
+    prisms: list[np.ndarray],
+    top: float,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Send a ray through the middle of each pixel of a pinhole camera without roll, which looks along y and down.
+
+    Args:
+        eye: where it is [m].
+        tilt: below the horizontal [rad].
+        focal: length [pixels].
+        size: width and height of the picture [pixels].
+        prisms: corners (M, 2) [m] of convex outlines, counter-clockwise, that stand on the floor.
+        top: how high they are [m].
+
+    Returns:
+        Which prism each ray (height, width) enters first, -1 for none, and the height [m] at which it does.
+    """
+    width, height = size
+    columns, rows = np.meshgrid(np.arange(width) + 0.5 - width / 2, height / 2 - np.arange(height) - 0.5)
+    away = focal * np.cos(tilt) + rows * np.sin(tilt)
+    up = rows * np.cos(tilt) - focal * np.sin(tilt)
+    way = np.stack([columns, away, up], axis=-1)
+    nearest, first = np.full((height, width), np.inf), np.full((height, width), -1)
+    for i, corners in enumerate(prisms):
+        enters, leaves = np.zeros((height, width)), np.full((height, width), np.inf)
+        ahead = np.roll(corners, -1, axis=0) - corners
+        planes = [((dy, -dx, 0.0), dy * x - dx * y) for (x, y), (dx, dy) in zip(corners, ahead, strict=True)]
+        for normal, offset in [*planes, ((0, 0, 1), top), ((0, 0, -1), 0.0)]:
+            inside, speed = offset - np.dot(eye, normal), way @ np.array(normal)  # in while speed * s <= inside
+            with np.errstate(divide="ignore", invalid="ignore"):
+                crossing = inside / speed
+            enters = np.where(speed < 0, np.maximum(enters, crossing), enters)
+            leaves = np.where(speed > 0, np.minimum(leaves, crossing), leaves)
+            leaves = np.where((speed == 0) & (inside < 0), -1, leaves)
+        hit = (enters < leaves) & (enters < nearest)
+        nearest, first = np.where(hit, enters, nearest), np.where(hit, i, first)
+    return first, eye[2] + np.where(first >= 0, nearest, 0) * up

@@ -30,16 +30,23 @@ KEYS = {
     "robot.model": st.sampled_from(["gritsbot", "single_integrator"]),
     "video.size": st.sampled_from(["64x64", "66x300", "2000x64"]),
     "video.trails": st.sampled_from([{"robots": None}, {"seconds": 0.1, "fade": True}, {"fade": True}]),
+    "video.camera": st.builds(
+        lambda **keys: {key: value for key, value in keys.items() if value is not None},
+        height=MAGNITUDES,
+        distance=st.sampled_from([None, 0.0, 0.3, 3.0]),
+        tilt=st.sampled_from([None, 0.0, 40.0, 90.0]),
+        field_of_view=st.sampled_from([None, 1.0, 60.0, 150.0]),
+    ),
     "video.theme": st.sampled_from(["light", "dark"]),
     **dict.fromkeys([f"video.overlays.{name}" for name in ("density", "cells", "targets", "clock")], st.booleans()),
 }
 SETTING = st.sampled_from(sorted(KEYS)).flatmap(lambda key: st.tuples(st.just(key), KEYS[key]))
 
 
-@given(st.sampled_from(list(EMOTIONS)), st.lists(SETTING, max_size=3))
+@given(st.sampled_from(list(EMOTIONS)), st.lists(SETTING, max_size=3), st.sampled_from(["overhead", "perspective"]))
 @settings(max_examples=150, suppress_health_check=[HealthCheck.too_slow])
-def test_any_scene_is_drawn_or_refused_in_one_line(emotion, pairs) -> None:
-    base = [("duration", 0.3), ("video.size", "64x64")]
+def test_any_scene_is_drawn_or_refused_in_one_line(emotion, pairs, view) -> None:
+    base = [("duration", 0.3), ("video.size", "64x64"), ("video.view", view)]
     refused = None
     try:
         scene = load_scene(emotion, [Setting(key, value, f"test {key}") for key, value in [*base, *pairs]])

@@ -6,7 +6,7 @@ from stages import HEXAGON, THIN, TRIANGLE, keys_of
 from emovid.looks import robot_parts, robot_rim, trailed_robots
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import load_scene
-from emovid.scene.robots import BODIES
+from emovid.scene.robot_files import load_robot, shipped_robots
 from emovid.scene.video import THEMES, Colours, Overlays
 from emovid.swarm.coverage import coverage_velocity
 from emovid.swarm.simulate import simulate
@@ -95,17 +95,17 @@ def test_wheels_stand_beside_the_body(make_scene) -> None:
     assert centroid(green) == pytest.approx([320, 240], abs=0.05)  # left and right alike
 
 
-@pytest.mark.parametrize("model", BODIES)
+@pytest.mark.parametrize("model", shipped_robots())
 def test_the_drawn_outline_lies_within_the_body_that_spacing_is_measured_with(model) -> None:
-    body = BODIES[model]
+    body = load_robot(model)
     corners = np.concatenate([np.asarray(path.vertices) for path in robot_parts(body).values()])
     assert np.hypot(*corners.T).max() <= body.radius + 1e-12
     assert np.hypot(*corners.T).max() > body.radius - 1e-3
 
 
-@pytest.mark.parametrize("model", BODIES)
+@pytest.mark.parametrize("model", shipped_robots())
 def test_the_rim_of_a_robot_is_all_that_is_near_it(model) -> None:
-    body, rim = BODIES[model], 0.0012
+    body, rim = load_robot(model), 0.0012
     outline = robot_rim(body, rim)
     parts = [path.interpolated(40).to_polygons() for name, path in robot_parts(body).items() if name != "front"]
     edge = np.concatenate([polygon for polygons in parts for polygon in polygons])
@@ -223,7 +223,7 @@ def test_what_lies_below_does_not_shine_through_the_edge_of_a_robot(make_scene) 
     turned = np.exp(-0.6j) * ((columns - 160) + 1j * (120 - rows)) / painter.camera.scale
     edge = body.width / 2 + 0.0004  # of the pixels whose middles are just outside the body
     near = (np.abs(turned.real) < edge) & (np.abs(turned.imag) < edge)
-    near &= np.abs(turned.real) + np.abs(turned.imag) < body.width - 1.5 * body.corner
+    near &= np.abs(turned.real) + np.abs(turned.imag) < body.width - 1.5 * body.shape.corner
     rim, way = BACK, np.array([0x4A, 0x51, 0x60]) - BACK
     share = np.clip((frame[near] - rim) @ way / (way @ way), 0, 1)
     assert near.sum() > 40

@@ -1,0 +1,93 @@
+"""Write the tables of docs/robotarium.md between its markers: parameters and descriptors, simulated and on robots."""
+
+import re
+import sys
+from pathlib import Path
+
+from emovid.measure.describe import DESCRIPTORS, describe
+from emovid.scene.emotions import EMOTIONS, PLATFORMS
+from emovid.scene.load import load_scene
+from emovid.scene.model import Scene
+from emovid.swarm.simulate import simulate
+
+PLACES = ("", *PLATFORMS)
+SHOWN = (
+    "speed_mean", "speed_peak", "distance_travelled", "turning_per_metre", "sharp_corner_share", "cusps_per_second",
+    "sparc", "hull_area_share_mean", "nearest_neighbour_end", "overshoot_share", "cost_ratio",
+)  # fmt: skip
+_ALIKE = {"emotion", "seed", "video", "safety"}  # of all scenes, or said in the text
+
+
+def leaves(data: object, path: str = "") -> dict[str, object]:
+    """Return the values of nested groups by their dotted keys."""
+    if isinstance(data, dict):
+        return {key: value for name, item in data.items() for key, value in leaves(item, f"{path}.{name}").items()}
+    return {path.removeprefix("."): data}
+
+
+def keys_of(scene: Scene) -> dict[str, object]:
+    """Return the keys of a scene that may differ between places, its robot by name."""
+    keys = scene.resolved()
+    keys["robot"] |= {"model": scene.robot.body.name, "limits": "model" if scene.robot.limits else None}
+    return leaves({name: value for name, value in keys.items() if name not in _ALIKE})
+
+
+def named(place: str, emotion: str) -> str:
+    """Return the name of an emotion's scene at a place."""
+    return f"{place}/{emotion}" if place else emotion
+
+
+def parameters(emotion: str) -> list[list[str]]:
+    """Return a row for each key of an emotion's scene that differs between the places."""
+    scenes = [load_scene(named(place, emotion)) for place in PLACES]
+    keys = [keys_of(scene) for scene in scenes]
+    for known, scene in zip(keys, scenes, strict=True):
+        known["snapshots"] = ", ".join(f"{t:g}" for t in scene.snapshot_times or ())
+    return [
+        [f"`{key}`", *(_text(known.get(key)) for known in keys)]
+        for key in dict.fromkeys(key for known in keys for key in known)
+        if len({_text(known.get(key)) for known in keys}) > 1
+    ]
+
+
+def descriptors(emotion: str) -> list[list[str]]:
+    """Return a row for each descriptor that is shown, of the part of the run up to the last snapshot."""
+    found = [describe(simulate(load_scene(named(place, emotion)))) for place in PLACES]
+    rows = []
+    for name in SHOWN:
+        values = [f"{values[name]:.3g}" for values in found]
+        if set(values) != {"nan"}:
+            rows.append([f"`{name}` [{DESCRIPTORS[name].unit}]", *values])
+    return rows
+
+
+def tables() -> str:
+    """Return all tables as Markdown."""
+    head = ["simulation", *PLATFORMS]
+    parts = []
+    for emotion in EMOTIONS:
+        parts += [
+            f"### {emotion.capitalize()}",
+            _table(["parameter", *head], parameters(emotion)),
+            _table(["descriptor", *head], descriptors(emotion)),
+        ]
+    return "\n\n".join(parts)
+
+
+def _table(head: list[str], rows: list[list[str]]) -> str:
+    lines = [head, ["---"] + ["---:"] * (len(head) - 1), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def _text(value: object) -> str:
+    return "" if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def with_tables(page: str, made: str) -> str:
+    """Return the page with the tables in place of those between its markers."""
+    return re.sub(r"(?<=<!-- tables -->\n).*(?=<!-- end -->)", lambda _: f"\n{made}\n\n", page, flags=re.DOTALL)
+
+
+if __name__ == "__main__":
+    target = Path(sys.argv[1]) / "robotarium.md"
+    target.write_text(with_tables(target.read_text(encoding="utf-8"), tables()), encoding="utf-8")

@@ -1,0 +1,244 @@
+"""A scene as a script for the Robotarium: one flat file for its simulator and its testbed, of either interface.
+
+What the testbed and the simulators demand is in `docs/export-robotarium.md`, with sources.
+"""
+
+import re
+from collections.abc import Mapping
+from importlib.metadata import version
+from pathlib import Path
+from textwrap import indent, wrap
+from typing import NamedTuple
+
+import numpy as np
+
+from emovid.looks import trailed_robots
+from emovid.platforms.density_source import density_source, nodes_for
+from emovid.scene.behaviour import CircularSinusoid, Contour, Coverage, ExpandingCircle
+from emovid.scene.load import scene_digest
+from emovid.scene.model import Scene
+from emovid.scene.safety import Barrier
+from emovid.scene.stage import StageKeys
+from emovid.swarm.arrays import Array
+from emovid.swarm.barrier import spacing_of
+from emovid.swarm.start import start_poses
+from emovid.swarm.unicycle import look_ahead
+
+STEP = 0.033  # s; of the testbed and its simulators
+MAX_ROBOTS = 20
+MAX_SECONDS = 15 * 60.0  # of an experiment: its guide
+WHEEL_SPEED = 0.2  # m/s
+_HALF_BASE = 0.055  # m; half the wheel base of the GTernal, the larger of the two robots that the testbed has had
+COLLISION_AHEAD, COLLISION = 0.025, 0.135  # m; its simulators count points so far ahead of the axles, so near
+_MARGIN = 0.003  # m; beyond that
+_CLOSE, _PARKED_APART = 0.3, 0.45  # m; the simulator 2.x sets robots down with a barrier of 0.25 m, to 0.05 m
+_PARKED_INSIDE = 0.15  # m; from the edges of the arena
+_APPROACH = 60.0  # s
+_TEMPLATE = Path(__file__).with_name("robotarium_script.py.in")
+
+
+class Arena(NamedTuple):
+    """An arena of the Robotarium, its centre the origin [m]."""
+
+    width: float
+    height: float
+
+    def __str__(self) -> str:
+        return f"{self.width} m x {self.height} m"
+
+    def holds(self, stage: StageKeys) -> bool:
+        """Return whether a stage lies within it."""
+        return all(abs(x) <= self.width / 2 + 1e-9 and abs(y) <= self.height / 2 + 1e-9 for x, y in stage.outline)
+
+
+ARENAS: Mapping[str, Arena] = {"3.2x2.0": Arena(3.2, 2.0), "4.3x3.6": Arena(4.3, 3.6)}
+
+
+def robotarium_script(scene: Scene, name: str, arena: Arena, *, trails: bool = False) -> str:
+    """Return the script that runs a scene on the Robotarium.
+
+    Args:
+        scene: what to run.
+        name: of the scene, for the script's header.
+        arena: that it must fit in.
+        trails: whether it draws the scene's trails in the figure that the testbed projects.
+
+    Raises:
+        SceneError: for a scene that the Robotarium cannot run, or would refuse.
+    """
+    _check(scene, arena)
+    poses = start_poses(scene, np.random.default_rng(scene.seed))
+    _check_spacing(scene, poses)
+    law = scene.behaviour
+    sections = {"trails": trails, "coverage": isinstance(law, Coverage), "contour": not isinstance(law, Coverage)}
+    parts = {"header": _header(scene, name, arena)}
+    constants = _common(scene, poses, arena)
+    if trails:
+        constants.append(_trails(scene))
+    if isinstance(law, Coverage):
+        constants += _coverage(scene, law)
+        parts["phi"] = indent(f"return {density_source(law.density, scene.stage).expression}", "    ")
+    else:
+        constants += _contour(law)
+        parts["radius"] = indent(_radius(law), "    ")
+    parts["scene"] = "\n".join(constants)
+    text = "\n".join(_chosen(_TEMPLATE.read_text(encoding="utf-8").splitlines(), sections))
+    for key, value in parts.items():
+        text = text.replace(f"{{{{{key}}}}}", value)
+    return re.sub(r"\n{4,}", "\n\n\n", text) + "\n"  # what was between sections that are left out
+
+
+def _check(scene: Scene, arena: Arena) -> None:
+    """Raise the `SceneError` of a scene that the Robotarium cannot run, or would refuse."""
+    robot, longest = scene.robot, MAX_SECONDS - _APPROACH
+    for key, fault, message in (
+        ("robots", scene.robots > MAX_ROBOTS, f"{scene.robots}: the Robotarium has at most {MAX_ROBOTS}"),
+        ("duration", scene.duration > longest, f"{scene.duration:g}: expected at most {longest:g} s"),
+        ("robot.model", not robot.body.steers, f"a {robot.body.name}: expected a unicycle, such as gritsbot_x"),
+        ("robot.saturation", robot.saturation == "clip", "clip: expected scale; what is clipped counts as an error"),
+        (
+            "stage",
+            not arena.holds(scene.stage),
+            f"{scene.stage}: does not fit in the arena of {arena}; --arena names another",
+        ),
+        ("safety", not isinstance(scene.safety, Barrier), "none: expected barrier; a collision there is an error"),
+    ):
+        if fault:
+            raise scene.fault(key, message)
+
+
+def _check_spacing(scene: Scene, poses: Array) -> None:
+    """Raise the `SceneError` of robots that start nearer to each other than the Robotarium lets them be."""
+    apart = _apart(look_ahead(poses, COLLISION_AHEAD))
+    if apart <= COLLISION:
+        near = f"two would start {1000 * apart:.0f} mm apart; a collision there is at {1000 * COLLISION:g}"
+        raise scene.fault("robots", near)
+
+
+def _apart(points: Array) -> float:
+    """Return the smallest distance [m] between two of some points (N, 2)."""
+    distance = np.hypot(*(points[:, None] - points).T) + np.where(np.eye(len(points)), np.inf, 0.0)
+    return float(distance.min())
+
+
+def _header(scene: Scene, name: str, arena: Arena) -> str:
+    name = re.sub(r"[^\w .+-]", "_", name)  # a file can be called anything, and this is code
+    first = f"{name}: {scene.robots} robots for {scene.duration:g} s on the Robotarium."
+    lines = [
+        f"Scene: {name}, SHA-256 {scene_digest(scene)}",
+        f"Emotion: {scene.emotion or 'none of the six'}",
+        f"Seed: {scene.seed}",
+        f"Arena: {arena}",
+        f"Written by: emovid {version('emovid')}",
+    ]
+    about = (
+        "It needs numpy and rps alone, and runs with the Robotarium's Python simulator 1.x and 2.x and on its testbed. "
+        "The laws are of M. Santos and M. Egerstedt, Int. J. Social Robotics 2021, doi 10.1007/s12369-020-00665-6."
+    )
+    return "\n".join(['"""' + first, "", *lines, "", *wrap(about, 118), '"""'])
+
+
+def _common(scene: Scene, poses: Array, arena: Arena) -> list[str]:
+    robot, safety, limits = scene.robot, scene.safety, scene.robot.limits
+    assert isinstance(safety, Barrier)
+    assert limits is not None  # a valid scene with a barrier has them
+    assert robot.l is not None
+    own = (limits.wheel_max, limits.v_max, limits.omega_max and limits.omega_max * _HALF_BASE)
+    ahead = robot.body.guarded[0]
+    spacing = max(
+        spacing_of(safety, robot), COLLISION + _MARGIN + 2 * abs(COLLISION_AHEAD - ahead)
+    )  # so none is counted
+    most = min(WHEEL_SPEED, *(limit for limit in own if limit is not None))
+    edges = "".join(f"    ({_n(edge.x)}, {_n(edge.y)}, {_n(edge.offset)}),\n" for edge in scene.stage.edges)
+    return [
+        f"N = {scene.robots}",
+        f"STEPS = {max(round(scene.duration / STEP), 1)}  # {scene.duration:g} s",
+        f"PERIOD = {_n(scene.control_period)}  # for which a wanted command is held",
+        f"SAFE_PERIOD = {_n(scene.step)}  # for which a safe one is",
+        f"K = {_n(robot.K)}  # proportional gain",
+        f"L = {_n(robot.l)}  # distance of the look-ahead points",
+        f"MOST = {_n(most * (1 - 1e-6))}  # speed of a wheel [m/s]",
+        f"AHEAD = {_n(ahead)}  # of the axle is the middle of a body",
+        f"SPACING = {_n(spacing)}  # kept between the middles of two; half of it to an edge",
+        f"GAMMA = {_n(safety.gamma)}  # how fast robots may use up what is left beyond it [1/s]",
+        f"START = {_table(poses)}",
+        f"PARKED = {_table(_parked(poses, arena))}",
+        f"APPROACH = {round(_APPROACH / STEP)}  # steps from there to START at most",
+        f"EDGES = [  # of the stage: outward normal, and its distance from the origin along it\n{edges}]",
+    ]
+
+
+def _table(poses: Array) -> str:
+    rows = "".join(f"        ({x:.6f}, {y:.6f}, {heading:.6f}),\n" for x, y, heading in poses.tolist())
+    return f"np.array(\n    [  # x, y, heading\n{rows}    ]\n).T"
+
+
+def _parked(poses: Array, arena: Arena) -> Array:
+    """Return poses (N, 3) wider apart, from which all can drive straight, backwards, to the given ones.
+
+    Both coordinates grow from the middle of the swarm: on their way back, robots get no nearer than they will be.
+    """
+    points = poses[:, :2]
+    apart = _apart(points)
+    if apart >= _CLOSE:
+        return poses
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    room = np.array([arena.width, arena.height]) / 2 - _PARKED_INSIDE - np.abs(middle)
+    most = room / np.maximum(np.abs(points - middle).max(axis=0), 1e-9)
+    away = (points - middle) * (np.clip(_PARKED_APART / apart, 1.0, np.maximum(most, 1.0)) - 1.0)
+    heading = np.where(np.hypot(*away.T) > 0, np.arctan2(away[:, 1], away[:, 0]), poses[:, 2])
+    return np.column_stack([points + away, heading])
+
+
+def _trails(scene: Scene) -> str:
+    colours = scene.video.palette.trails
+    robots = trailed_robots(scene.robots, scene.video.trails.robots).tolist()
+    listed = ", ".join(f'{robot}: "{colours[i % len(colours)]}"' for i, robot in enumerate(robots))
+    return f"TRAILS = {{{listed}}}  # robots that leave one, and their colours"
+
+
+def _contour(law: Contour) -> list[str]:
+    return [
+        f"ANGULAR_RATE = {_n(law.angular_rate)}  # of the followed points [rad/s]",
+        f"CENTRE = np.array([{_n(law.centre.x)}, {_n(law.centre.y)}])",
+    ]
+
+
+def _radius(law: Contour) -> str:
+    match law:
+        case CircularSinusoid():
+            return f"return {_n(law.R)} + {_n(law.A)} * np.sin({law.f} * theta)"
+        case ExpandingCircle():
+            grown = f"np.mod({_n(law.expansion_rate)} * t, {_n(law.R_max)} - {_n(law.R_min)})"
+            return f"return np.full_like(theta, {_n(law.R_min)} + {grown})"
+        case _:
+            return f"return np.full_like(theta, {_n(law.R)})"
+
+
+def _coverage(scene: Scene, law: Coverage) -> list[str]:
+    corners = "".join(f"    ({_n(x)}, {_n(y)}),\n" for x, y in scene.stage.outline)
+    source = density_source(law.density, scene.stage)
+    return [
+        f"KAPPA = {_n(law.kappa)}  # proportional gain [1/s]",
+        f"U_MAX = {'np.inf' if law.u_max is None else _n(law.u_max)}  # cap on |u| [m/s]",
+        f"STAGE = np.array([\n{corners}])  # its corners, counter-clockwise",
+        f"NODES, WEIGHTS = np.polynomial.legendre.leggauss({nodes_for(law.density, scene.stage)})",
+        "NODES, WEIGHTS = (NODES + 1) / 2, WEIGHTS / 2  # of Gauss's rule from 0 to 1",
+        *source.tables,
+    ]
+
+
+def _n(number: float) -> str:
+    """Return a number as Python writes it, shortly."""
+    return repr(float(number) + 0.0).removesuffix(".0")  # no -0
+
+
+def _chosen(lines: list[str], sections: Mapping[str, bool]) -> list[str]:
+    """Return the lines of the template without the sections that are not wanted: ``#: name`` starts one."""
+    chosen, wanted = [], True
+    for line in lines:
+        if line.startswith("#: "):
+            wanted = sections.get(line[3:], True)
+        elif wanted:
+            chosen.append(line)
+    return chosen

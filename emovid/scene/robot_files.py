@@ -1,0 +1,80 @@
+"""Robots' files: read once, then part of the scene, so that a scene is all that a run needs."""
+
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from emovid.errors import SceneError, nearest
+from emovid.places import Places, place_of
+from emovid.scene.complaints import complaint
+from emovid.scene.robots import Body
+from emovid.scene.shipped import CONFIGS, read_text
+from emovid.yaml_text import read_yaml
+
+_FOLDER = CONFIGS / "robots"
+_SUFFIXES = (".yaml", ".yml")
+
+
+def shipped_robots() -> list[str]:
+    """Return the names of the robots that ship."""
+    return sorted(path.stem for path in _FOLDER.glob("*.yaml"))
+
+
+def load_robot(source: str | Path) -> Body:
+    """Return the robot of a YAML file, or a shipped one by its name.
+
+    Raises:
+        SceneError: for a file that cannot be read or a robot that cannot be meant, with file, line and key.
+    """
+    path = _find(str(source), Path())
+    return _robot(read_text(path, "robot"), str(path), path.stem)
+
+
+def read_robot(data: Any, folder: Path, places: Places) -> None:
+    """Read the robot that a scene names, and put it in; and its limits where the scene says so.
+
+    Args:
+        data: plain values as read from YAML, valid or not; changed in place.
+        folder: that the files' names start from.
+        places: of the keys.
+
+    Raises:
+        SceneError: as `load_robot`; for the limits of a robot that has none.
+    """
+    robot = data.get("robot") if isinstance(data, dict) else None
+    if not isinstance(robot, dict) or not isinstance(name := robot.get("model"), str):
+        return
+    try:
+        path = _find(name, folder)
+        text = read_text(path, "robot")
+    except SceneError as error:
+        where = place_of(("robot", "model"), places)
+        raise SceneError(where, "robot.model", f"{error.where}: {error.message}".removeprefix(": ")) from None
+    robot["model"] = body = _robot(text, str(path), path.stem)
+    if robot.get("limits") == "model":
+        if body.limits is None:
+            where = place_of(("robot", "limits"), places)
+            raise SceneError(where, "robot.limits", f"model: a {body.name} has none; expected null or limits")
+        robot["limits"] = body.limits
+
+
+def _find(name: str, folder: Path) -> Path:
+    if name.endswith(_SUFFIXES) and name.isprintable():
+        return folder / name
+    if name in (known := shipped_robots()):
+        return _FOLDER / f"{name}.yaml"
+    expected = f"expected one of {', '.join(known)}, or a file that ends in .yaml"
+    raise SceneError("", "", f"{name!r}: {expected}{nearest(name, known)}")
+
+
+@lru_cache
+def _robot(text: str, where: str, name: str) -> Body:
+    data, places = read_yaml(text, where, "robot")
+    if not isinstance(data, dict):
+        raise SceneError(where, "", "not a robot: expected keys such as kinematics, shape, wheels")
+    try:
+        return Body.model_validate({"name": name} | data)
+    except ValidationError as error:
+        raise complaint(error, places, Body) from None

@@ -1,0 +1,30 @@
+"""The files that ship: where they are; and how files are read, shipped or not."""
+
+from pathlib import Path
+
+from emovid.errors import SceneError
+from emovid.whole_files import reason
+
+MAX_BYTES = 32_000_000  # a scene that lists the poses of 100 000 robots has 5 MB
+
+_INSTALLED = Path(__file__).parent.parent / "configs"
+CONFIGS = _INSTALLED if _INSTALLED.is_dir() else _INSTALLED.parent.parent / "configs"  # a checkout keeps them on top
+
+
+def read_text(path: Path, what: str = "scene") -> str:
+    """Return the text of a file; `what` it should hold is for messages.
+
+    Raises:
+        SceneError: if it cannot be read, is too large or no UTF-8.
+    """
+    try:
+        with path.open("rb") as file:
+            data = file.read(MAX_BYTES + 1)
+        if len(data) > MAX_BYTES:
+            raise SceneError(str(path), "", f"too large for a {what}: more than {MAX_BYTES // 1_000_000} MB")
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise SceneError(f"{path}:{line}", "", "not UTF-8 text") from None
+    except OSError as error:
+        raise SceneError(str(path), "", f"cannot be read: {reason(error)}") from None

@@ -1,0 +1,337 @@
+"""The script for the Robotarium: what it says, and what it does in a stand-in of both of its simulators."""
+
+import ast
+import json
+import subprocess
+import sys
+from functools import cache
+from importlib.metadata import version
+
+import numpy as np
+import pytest
+import rps_stand_in
+from PIL import Image
+
+from emovid.cli.main import main
+from emovid.errors import SceneError
+from emovid.measure.describe import describe
+from emovid.platforms.robotarium import ARENAS, robotarium_script
+from emovid.scene.behaviour import Coverage
+from emovid.scene.emotions import EMOTIONS
+from emovid.scene.load import Setting, load_scene, scene_digest
+from emovid.scene.model import Scene
+from emovid.swarm.contours import followed_points, start_angles
+from emovid.swarm.coverage import corners_of, mass_and_centroid
+from emovid.swarm.densities import density_of
+from emovid.swarm.projection import nearest_within
+from emovid.swarm.simulate import simulate
+from emovid.swarm.trajectory import Trajectory
+from emovid.swarm.unicycle import wrapped
+
+ROUND, SPREAD = ("happiness", "surprise", "sadness"), ("fear", "disgust", "anger")
+TODAY = ARENAS["3.2x2.0"]
+INTERFACES = (rps_stand_in.Robotarium1, rps_stand_in.Robotarium2)
+
+
+def scene_of(emotion: str, **keys: object) -> Scene:
+    settings = {"duration": 15, "snapshots": None} | keys
+    named = [Setting(key.replace("__", "."), value, f"test {key}") for key, value in settings.items()]
+    return load_scene(f"robotarium-today/{emotion}", named)
+
+
+@cache
+def runs(emotion: str) -> tuple[Trajectory, Trajectory, rps_stand_in.StandIn]:
+    """Return our run of 15 s, that of the script in the simulator 1.x, and the simulator."""
+    scene = scene_of(emotion)
+    simulator, _ = rps_stand_in.run(robotarium_script(scene, emotion, TODAY, trails=True), INTERFACES[0])
+    return simulate(scene), simulator.run_of(scene), simulator
+
+
+def functions(scene: Scene) -> dict:
+    """Return what a scene's script defines, without running the experiment."""
+    text = robotarium_script(scene, "scene", TODAY).removesuffix("\n\n\nmain()\n")
+    names: dict = {"__name__": "script"}
+    with rps_stand_in.installed(INTERFACES[0]):
+        exec(text, names)  # noqa: S102
+    return names
+
+
+# --- what it does ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("emotion", EMOTIONS)
+def test_no_robot_collides_leaves_the_arena_or_asks_too_much_of_its_motors(emotion) -> None:
+    assert runs(emotion)[2].errors == {"boundary": 0, "collision": 0, "actuator": 0}
+
+
+@pytest.mark.parametrize("emotion", ROUND)
+def test_contours_are_ours_within_a_centimetre_over_15_s(emotion) -> None:
+    ours, theirs, _ = runs(emotion)
+    times = theirs.t[theirs.t <= 15]
+    off = np.hypot(*np.moveaxis((theirs.at(times) - ours.at(times))[..., :2], -1, 0))
+    assert times[-1] > 14.95
+    assert off.max() < 0.01
+
+
+@pytest.mark.parametrize("emotion", SPREAD)
+def test_coverage_is_ours_in_its_descriptors(emotion) -> None:
+    # An angular motion is chaotic: what rounds otherwise takes other turns on the same way.
+    ours, theirs = (describe(run) for run in runs(emotion)[:2])
+    for name in ("speed_mean", "speed_p95", "radius_of_gyration_mean", "nearest_neighbour_mean", "trace_length"):
+        assert theirs[name] == pytest.approx(ours[name], rel=0.1), name
+    for name in ("radius_of_gyration_end", "distance_to_boundary_end", "turning_per_metre"):
+        assert theirs[name] == pytest.approx(ours[name], rel=0.2), name
+
+
+@pytest.mark.parametrize("emotion", ["happiness", "surprise"])
+def test_both_interfaces_make_the_same_run_of_what_both_robots_can_do(emotion) -> None:
+    scene = scene_of(emotion, duration=1.65)
+    script = robotarium_script(scene, emotion, TODAY)
+    one, two = (rps_stand_in.run(script, interface)[0] for interface in INTERFACES)
+    assert one.errors == two.errors == {"boundary": 0, "collision": 0, "actuator": 0}
+    assert two.run_of(scene).poses == pytest.approx(one.run_of(scene).poses, abs=1e-9)
+
+
+def test_the_robot_of_the_simulator_2_turns_no_faster_than_it_can() -> None:
+    simulator, _ = rps_stand_in.run(robotarium_script(scene_of("disgust", duration=3), "disgust", TODAY), INTERFACES[1])
+    assert simulator.errors == {"boundary": 0, "collision": 0, "actuator": 0}
+    wheel = np.abs(np.array(simulator.done)) * [[1], [0.055]]
+    assert 0.199 < wheel.sum(axis=1).max() <= 0.2
+
+
+def test_robots_are_set_down_wide_apart_and_drive_to_their_start() -> None:
+    # The simulator 2.x sets no robot down within 0.25 m of another, give or take 0.05 m.
+    ours, theirs, simulator = runs("sadness")
+    first = simulator.seen[0][:2]
+    apart = np.hypot(*(first[:, :, None] - first[:, None])) + 9 * np.eye(first.shape[1])
+    assert apart.min() > 0.3
+    assert 0 < len(simulator.seen) - len(theirs.commands) < 20 / rps_stand_in.STEP
+    assert np.hypot(*(theirs.poses[0] - ours.poses[0])[:, :2].T).max() < 0.003
+    assert np.abs(wrapped(theirs.poses[0] - ours.poses[0])[:, 2]).max() < 0.01
+
+
+def test_trails_are_those_of_the_scene() -> None:
+    _, theirs, simulator = runs("sadness")
+    lines = simulator.canvas.lines
+    assert len(lines) == 4
+    for line, robot in zip(lines, (0, 3, 6, 9), strict=True):
+        np.testing.assert_allclose(line.points.T, theirs.poses[:-1, robot, :2])
+    assert len({line.look["color"] for line in lines}) == 4
+    without, _ = rps_stand_in.run(robotarium_script(scene_of("sadness", duration=0.1), "s", TODAY), INTERFACES[1])
+    assert without.canvas.lines == []
+
+
+def test_robots_that_are_set_down_some_centimetres_off_do_no_harm() -> None:
+    script = robotarium_script(scene_of("sadness", duration=3), "sadness", TODAY)
+
+    class Careless(INTERFACES[1]):
+        def __init__(self, **keys: object) -> None:
+            super().__init__(**keys)
+            self._state += np.random.default_rng(4).uniform(-1, 1, self._state.shape) * [[0.035], [0.035], [0.2]]
+
+    simulator, _ = rps_stand_in.run(script, Careless)
+    assert simulator.errors == {"boundary": 0, "collision": 0, "actuator": 0}
+
+
+# --- its parts against ours ------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def picture(tmp_path) -> str:
+    Image.fromarray(np.random.default_rng(1).integers(0, 255, (20, 30), dtype=np.uint8)).save(tmp_path / "p.png")
+    return str(tmp_path / "p.png")
+
+
+@pytest.mark.parametrize("kind", ["uniform", "gaussian", "boundary", "image", "sum"])
+def test_centroids_are_ours(kind, picture) -> None:
+    basic = {
+        "uniform": {"kind": "uniform"},
+        "gaussian": {"kind": "gaussian", "sigma": 0.3, "centre": {"x": 0.2, "y": -0.1}},
+        "boundary": {"kind": "boundary", "width": 0.12, "inset": 0.15},
+        "image": {"kind": "image", "file": picture, "smoothing": 0.2},
+    }
+    parts = [{"weight": 2.0, "density": basic["gaussian"]}, {"weight": 0.5, "density": basic["image"]}]
+    scene = scene_of("fear", behaviour__density=basic.get(kind) or {"kind": "sum", "parts": parts})
+    script = functions(scene)
+    density = density_of(scene.behaviour.density, scene.stage)
+    rng = np.random.default_rng(2)
+    x, y = rng.uniform([[-1.6], [-1.0]], [[1.6], [1.0]], (2, 40))
+    assert script["phi"](x, y) == pytest.approx(density.phi(x, y), rel=2e-3)
+    for _ in range(2):
+        points = rng.uniform([-1.5, -0.9], [1.5, 0.9], (12, 2))
+        _, ours = mass_and_centroid(points, corners_of(scene.stage), density)
+        for i, point in enumerate(points):
+            cell = script["voronoi_cell"](point, np.delete(points, i, axis=0))
+            assert point + script["to_centroid"](cell, point) == pytest.approx(ours[i], abs=2e-4)
+
+
+@pytest.mark.parametrize("emotion", ROUND)
+def test_followed_points_are_ours(emotion) -> None:
+    scene = scene_of(emotion)
+    script = functions(scene)
+    poses = np.random.default_rng(3).normal(size=(3, scene.robots))
+    for t in (0.0, 1.3, 14.9):
+        ahead = poses[:2] + scene.robot.l * np.array([np.cos(poses[2]), np.sin(poses[2])])
+        points = followed_points(scene.behaviour, start_angles(scene.robots), t)
+        assert script["law"](t, poses) + ahead == pytest.approx(points.T)
+
+
+def test_a_command_beyond_the_limits_keeps_its_curvature() -> None:
+    script = functions(scene_of("anger"))
+    commands = np.array([np.linspace(-0.5, 0.5, 12), np.linspace(8, -3, 12)])
+    scaled = script["within_limits"](commands, 0.11)
+    assert scaled[0] * commands[1] == pytest.approx(scaled[1] * commands[0])
+    assert np.max(np.abs(scaled[0]) + 0.055 * np.abs(scaled[1])) <= 0.2
+    slow = commands / 20
+    assert script["within_limits"](slow, 0.11) == pytest.approx(slow)
+
+
+def test_the_nearest_commands_are_ours() -> None:
+    script = functions(scene_of("fear"))
+    rng = np.random.default_rng(6)
+    for _ in range(40):
+        a, b = rng.normal(size=(25, 6)), rng.uniform(0, 0.1, 25)
+        point = rng.normal(size=6) * 0.2
+        ours = nearest_within(point / 0.2, a, b / 0.2)
+        assert ours is not None
+        assert script["nearest_within"](point, a, b) == pytest.approx(0.2 * ours, abs=1e-7)
+
+
+def test_robots_that_run_at_each_other_and_at_the_wall_stop_in_time() -> None:
+    script = functions(scene_of("fear"))
+    rng = np.random.default_rng(5)
+    poses = np.array(script["PARKED"])
+    for _ in range(150):
+        towards = np.arctan2(-poses[1], 1.6 - poses[0])
+        turn = np.arctan2(np.sin(towards - poses[2]), np.cos(towards - poses[2]))
+        wanted = script["within_limits"](np.array([np.full(12, 0.2), 3 * turn + rng.normal(size=12)]), 0.11)
+        v, omega = script["safe"](poses, wanted, 0.033, 0.11)
+        assert np.max(np.abs(v) + 0.055 * np.abs(omega)) <= 0.2
+        poses = poses + 0.033 * np.array([v * np.cos(poses[2]), v * np.sin(poses[2]), omega])
+        points = script["look_ahead"](poses, 0.025)
+        apart = np.hypot(*(points[:, :, None] - points[:, None])) + 9 * np.eye(12)
+        assert apart.min() > 0.135
+        assert np.abs(poses[0]).max() < 1.6
+        assert np.abs(poses[1]).max() < 1.0
+    assert apart.min() < 0.2  # they did meet
+
+
+# --- what it says ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("emotion", ["happiness", "surprise", "disgust", "anger"])
+def test_it_is_one_flat_file_that_needs_numpy_and_rps_alone(emotion, tmp_path) -> None:
+    text = robotarium_script(scene_of(emotion), emotion, TODAY, trails=True)
+    tree = ast.parse(text)
+    imported = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
+    assert imported == {"numpy", "rps.robotarium"}
+    assert not [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+    assert not {"open", "eval", "exec", "input"} & {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+    assert "{{" not in text
+    assert "#:" not in text
+    (tmp_path / "script.py").write_text(text)
+    lint = [sys.executable, "-m", "ruff", "check", "--isolated", "--select", "E,F,W,I,B,UP,D4", "--line-length", "120"]
+    done = subprocess.run(
+        [*lint, "--ignore", "B905", str(tmp_path / "script.py")], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout
+
+
+def test_its_header_names_scene_seed_arena_and_version() -> None:
+    scene = scene_of("fear", seed=7)
+    header = ast.get_docstring(ast.parse(robotarium_script(scene, "my_scene", TODAY)))
+    assert header is not None
+    for said in (f"Scene: my_scene, SHA-256 {scene_digest(scene)}", "Emotion: fear", "Seed: 7", "Arena: 3.2 m x 2.0 m"):
+        assert said in header
+    assert f"Written by: emovid {version('emovid')}" in header
+
+
+def test_a_scene_s_name_cannot_become_code() -> None:
+    text = robotarium_script(scene_of("fear"), 'a"""\nimport os\n"""\\', TODAY)
+    assert "\nimport os" not in text
+    header = ast.get_docstring(ast.parse(text))
+    assert header is not None
+    assert header.startswith("a____import os_____: 12 robots")
+
+
+def test_equal_scenes_make_equal_scripts() -> None:
+    first, second = (robotarium_script(scene_of("anger"), "anger", TODAY) for _ in range(2))
+    assert first == second
+
+
+def test_a_script_of_a_contour_says_nothing_of_coverage() -> None:
+    text = robotarium_script(scene_of("happiness"), "happiness", TODAY)
+    assert "voronoi" not in text
+    assert "TRAILS" not in text
+    assert isinstance(scene_of("fear").behaviour, Coverage)
+
+
+@pytest.mark.parametrize(
+    ("emotion", "keys", "message"),
+    [
+        ("fear", {"robots": 21, "start__place": "stage", "start__region": None}, None),
+        ("happiness", {"duration": 841}, "test duration: duration: 841: expected at most 840 s"),
+        ("happiness", {"safety": "none"}, "test safety: safety: none: expected barrier; a collision there is an error"),
+        ("happiness", {"stage": {"width": 4.3, "height": 3.6}}, "test stage: stage: 4.3 m x 3.6 m: does not fit in the "
+         "arena of 3.2 m x 2.0 m; --arena names another"),
+    ],
+)  # fmt: skip
+def test_what_the_robotarium_cannot_run_is_refused_in_one_line(emotion, keys, message) -> None:
+    if message is None:
+        start = {"place": "stage", "min_spacing": 0.2}
+        keys, message = {"robots": 21, "start": start}, "test robots: robots: 21: the Robotarium has at most 20"
+    with pytest.raises(SceneError) as caught:
+        robotarium_script(scene_of(emotion, **keys), "scene", TODAY)
+    assert str(caught.value) == message
+
+
+def test_a_start_that_counts_as_a_collision_is_refused() -> None:
+    face_to_face = {
+        "place": "poses",
+        "poses": [{"x": -0.085, "y": 0, "heading": 0}, {"x": 0.085, "y": 0, "heading": np.pi}],
+    }
+    with pytest.raises(SceneError, match=r"robots: two would start 120 mm apart; a collision there is at 135$"):
+        robotarium_script(scene_of("fear", robots=2, start=face_to_face, safety__spacing=0.135), "scene", TODAY)
+
+
+# --- the command -----------------------------------------------------------------------------------------------------
+
+
+def test_the_command_writes_the_six_scripts(tmp_path, capsys) -> None:
+    assert main(["export", "robotarium", "--all", "-o", str(tmp_path / "upload"), "--trails"]) == 0
+    assert {path.name for path in (tmp_path / "upload").iterdir()} == {f"{emotion}.py" for emotion in EMOTIONS}
+    assert capsys.readouterr().err.count("for the Robotarium's arena of 3.2 m x 2.0 m") == 6
+    assert "TRAILS" in (tmp_path / "upload" / "fear.py").read_text()
+
+
+def test_the_command_takes_a_scene_a_seed_and_an_arena(tmp_path, capsys) -> None:
+    target = tmp_path / "mine.py"
+    arguments = ["export", "robotarium", "anger", "--seed", "5", "--arena", "4.3x3.6", "-o", str(target), "--json"]
+    assert main(arguments) == 0
+    (said,) = json.loads(capsys.readouterr().out)
+    assert said["seed"] == 5
+    assert said["scene_digest"] in target.read_text()
+    assert "Arena: 4.3 m x 3.6 m" in target.read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["anger", "--arena", "3.2x2"], "--arena 3.2x2: expected 3.2x2.0 or 4.3x3.6 (did you mean 3.2x2.0?)"),
+        (
+            ["robotarium/anger"],
+            "stage: 4.3 m x 3.6 m: does not fit in the arena of 3.2 m x 2.0 m; --arena names another",
+        ),
+        (["angr"], "angr: no such file or emotion (did you mean anger?)"),
+        ([], "expected one scene: a file, or --emotion and one of happiness, surprise, sadness, fear, disgust, anger"),
+        (["anger", "--all"], "--all: expected no scene beside it"),
+        (["anger", "-o", "a.m"], "-o a.m: cannot write .m; expected .py, or a folder"),
+    ],
+)
+def test_a_mistake_is_one_line_and_nothing_is_written(arguments, message, tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", "robotarium", *arguments]) == 2
+    said = capsys.readouterr().err
+    assert said.endswith(f"{message}\n")
+    assert said.count("\n") == 1
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,86 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from emovid.errors import InputError, RenderError
+from emovid.video.encode import write_video
+from emovid.video.formats import encoder_arguments
+from emovid.video.still import film_frames, last_frame, read_film
+from emovid.video.yuv import Yuv420
+
+WIDTH, HEIGHT, FRAMES, FPS = 160, 96, 12, 10
+GREYS = np.linspace(20, 235, FRAMES).round().astype(np.uint8)
+
+
+@pytest.fixture(scope="module", params=["mp4", "webm", "gif"])
+def video(request, tmp_path_factory) -> Path:
+    """Make a video whose frames are as many greys."""
+    target = tmp_path_factory.mktemp("still") / f"greys.{request.param}"
+    if request.param == "gif":
+        pages = [Image.new("L", (WIDTH, HEIGHT), int(grey)) for grey in GREYS]
+        pages[0].save(target, save_all=True, append_images=pages[1:], duration=1000 // FPS)
+        return target
+    convert = Yuv420(WIDTH, HEIGHT).convert
+    whole = [(0, HEIGHT, 0, WIDTH)]
+    pictures = (np.full((HEIGHT, WIDTH, 4), grey, np.uint8) for grey in GREYS)
+    planes = (convert(picture, whole) for picture in pictures)
+    write_video(planes, FRAMES, encoder_arguments(WIDTH, HEIGHT, FPS, request.param), target)
+    return target
+
+
+def greys(video: Path, times: list[float], size: tuple[int, int] = (40, 24)) -> list[int]:
+    film = read_film(video)
+    shown = film_frames(video, film.shown_at(np.array(times)).tolist(), *size)
+    assert shown.shape == (len(times), size[1], size[0], 3)
+    return shown[:, size[1] // 2, size[0] // 2, 0].tolist()
+
+
+def test_a_film_says_when_its_frames_are_shown_and_how_large_they_are(video) -> None:
+    film = read_film(video)
+    assert film.times == pytest.approx(np.arange(FRAMES) / FPS)
+    assert film.end == pytest.approx(FRAMES / FPS)
+    assert (film.width, film.height) == (WIDTH, HEIGHT)
+
+
+def test_at_each_time_the_frame_is_that_which_is_shown_then(video) -> None:
+    times = [0.0, 0.1, 0.19, 0.55, 0.3, 0.3, 1.1, 1.2]
+    assert greys(video, times) == pytest.approx([int(GREYS[k]) for k in (0, 1, 1, 5, 3, 3, 11, 11)], abs=3)
+
+
+def test_the_last_frame_is_the_same_either_way(video) -> None:
+    ours = film_frames(video, [FRAMES - 1], 40, 24)[0]
+    assert np.abs(last_frame(video, FRAMES, FPS, 40, 24).astype(int) - ours).max() <= 1
+
+
+def test_a_frame_of_another_shape_is_fitted_in_on_white(video) -> None:
+    (tall,) = film_frames(video, [0], 40, 48)
+    assert (tall[0] == 255).all()
+    assert tall[24, 20] == pytest.approx(GREYS[0], abs=3)
+
+
+def test_frames_may_last_differently_long(tmp_path) -> None:
+    pages = [Image.new("L", (64, 64), grey) for grey in (40, 120, 200)]
+    pages[0].save(tmp_path / "x.gif", save_all=True, append_images=pages[1:], duration=[100, 700, 200])
+    assert read_film(tmp_path / "x.gif").times == pytest.approx([0, 0.1, 0.8])
+    assert greys(tmp_path / "x.gif", [0.05, 0.2, 0.7, 0.9], (64, 64)) == [40, 120, 120, 200]
+
+
+@pytest.mark.parametrize("name", ["a:b.mp4", "-y", "100 %.mp4", "concat:x.mp4"])
+def test_a_file_may_have_any_name(name, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Image.new("L", (64, 64), 90).save(tmp_path / name, "gif")
+    assert greys(Path(name), [0.0], (64, 64)) == [90]
+
+
+@pytest.mark.parametrize("data", [b"", b"no video", bytes(5000)])
+def test_what_is_no_video_is_refused(data, tmp_path) -> None:
+    (tmp_path / "x.mp4").write_bytes(data)
+    with pytest.raises(InputError, match=r"x\.mp4: no video that can be read"):
+        read_film(tmp_path / "x.mp4")
+
+
+def test_a_video_that_vanishes_says_so(tmp_path) -> None:
+    with pytest.raises(RenderError, match=r"x\.mp4: its frames cannot be read"):
+        film_frames(tmp_path / "x.mp4", [0], 40, 24)
