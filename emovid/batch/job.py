@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any, Literal
 
 from emovid.batch.pool import OnStep
-from emovid.measure.describe import describe
 from emovid.scene.load import scene_digest
 from emovid.scene.model import Scene
 from emovid.swarm.files import save_trajectory
@@ -25,10 +24,10 @@ Record = dict[str, Any]  # of a finished job: its recipe, and what came of it
 
 # The rooms whose code, and the packages whose versions, a result may depend on.
 _ROOMS = {
-    "video": ("scene", "swarm", "video"),
+    "video": ("scene", "swarm", "looks.py", "perspective", "video"),
     "trajectory": ("scene", "swarm"),
     "measure": ("scene", "swarm", "measure"),
-    "sheet": ("video", "figures", "batch"),
+    "sheet": ("looks.py", "perspective", "video", "figures", "batch"),
 }
 _PACKAGES = {
     "video": ("numpy", "scipy", "matplotlib"),
@@ -92,6 +91,9 @@ def make(job: Job, on_step: OnStep | None = None) -> Record:
         save_trajectory(trajectory, job.target)
         facts |= {"samples": len(trajectory.t)}
     else:
+        # Only measuring needs scipy, which takes as long to import as half of a video takes to draw.
+        from emovid.measure.describe import describe  # noqa: PLC0415
+
         measured = describe(trajectory)
         facts |= {"descriptors": {name: None if isnan(value) else value for name, value in measured.items()}}
     if job.only != "measure":
@@ -126,6 +128,7 @@ def _code_digest(rooms: tuple[str, ...]) -> str:
     """Return a digest of the modules that decide a result: an edited checkout is another version too."""
     package = Path(__file__).parent.parent
     sha = hashlib.sha256()
-    for path in sorted(path for room in rooms for path in (package / room).glob("*.py")):
+    patterns = [room if room.endswith(".py") else f"{room}/*.py" for room in rooms]
+    for path in sorted(path for pattern in patterns for path in package.glob(pattern)):
         sha.update(path.read_bytes())
     return sha.hexdigest()[:16]

@@ -18,7 +18,7 @@ from typing import IO, Any, Self
 
 from emovid.batch.job import Record
 from emovid.errors import EmovidError
-from emovid.whole_files import is_written, reason, writing
+from emovid.whole_files import is_written, not_written, writing
 
 NAME = "manifest.json"
 _JOURNAL, _LOCK = f".{NAME}.*.journal", f".{NAME}.lock"
@@ -59,7 +59,7 @@ class Ledger:
             if self._journal.write(line) < len(line):
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         except OSError as error:
-            raise EmovidError(f"{self.folder / NAME}: cannot be written: {reason(error)}") from None
+            raise not_written(self.folder / NAME, error) from None
         self.records[name] = record
 
     def __enter__(self) -> Self:
@@ -125,7 +125,7 @@ def _lock(folder: Path) -> Iterator[None]:
                     break
             file.close()  # who had the lock before has removed its file: take a new one
     except OSError as error:
-        raise EmovidError(f"{folder / NAME}: cannot be written: {reason(error)}") from None
+        raise not_written(folder / NAME, error) from None
     with file:
         try:
             yield

@@ -108,7 +108,8 @@ class _Slot:
     def submit(self, work: Callable[..., Any], item: Any) -> "Future[Any]":
         self._item, self._number = item, self._number + 1
         died = self._future is not None and isinstance(self._future.exception(), BrokenProcessPool)
-        with blocked_signals():  # a process must not be interrupted before it can handle that
+        # A process must not be interrupted before it can handle that, nor we before it is known.
+        with held_signals(), blocked_signals():
             if self._pool is None or died:
                 self._start()
             assert self._pool

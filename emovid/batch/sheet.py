@@ -24,17 +24,17 @@ from emovid.video.still import last_frame
 from emovid.whole_files import file_digest, writing
 
 NAME = "contact-sheet.png"
-MAX_ROWS, MAX_COLUMNS = 200, 200
+MAX_SIDE = 200  # pictures in a row or a column
 _WIDE, _NARROW, _PAGE = 480, 150, 2150  # pixels: of a picture at most and at least, and of all columns if they can be
 _ONE_ROW = 8  # pictures
 
 Axes = Sequence[tuple[str, Sequence[str]]]
 
 
-def write_sheet(folder: Path, items: Sequence[Item], axes: Axes, records: Mapping[str, Record], threads: int) -> bool:
-    """Write `contact-sheet.png`, unless it is there and shows what is in the folder; return whether it was written.
+def write_sheet(folder: Path, items: Sequence[Item], axes: Axes, records: Mapping[str, Record], threads: int) -> None:
+    """Write `contact-sheet.png`, unless it is there and shows what is in the folder.
 
-    Nothing is written for more rows or columns than a picture can have.
+    Nothing is written for more rows or columns than can be looked at.
 
     Args:
         folder: that holds the items' files.
@@ -44,44 +44,50 @@ def write_sheet(folder: Path, items: Sequence[Item], axes: Axes, records: Mappin
         threads: to read videos with.
     """
     rows, columns = _arranged(axes)
-    high, wide = prod(len(values) for _, values in rows), prod(len(values) for _, values in columns)
+    high, wide = _count(rows), _count(columns)
     wrapped = high == 1 and wide > _ONE_ROW
     if wrapped:
-        wide = min(ceil(sqrt(wide)), MAX_COLUMNS)
+        wide = ceil(sqrt(len(items)))
         high = ceil(len(items) / wide)
-    if high > MAX_ROWS or wide > MAX_COLUMNS:
-        return False
+    if max(high, wide) > MAX_SIDE:
+        return
     files = [(item.name, records[item.name]["sha256"]) for item in items]
     recipe = {"shows": _digest([files, axes]), "versions": versions("sheet")}
     target = folder / NAME
     with Ledger(folder) as ledger:
         known = ledger.records.get(NAME, {})
-        made_so = all(known.get(key) == value for key, value in recipe.items())
-        if made_so and target.is_file() and file_digest(target) == known["sha256"]:
-            return False
-        width = 2 * (int(np.clip(_PAGE / wide, _NARROW, _WIDE)) // 2)
-        video = items[0].scene.video
-        height = 2 * max(round(width * video.height / video.width / 2), 32)
-        with ThreadPoolExecutor(threads) as pool:
-            pictures = list(pool.map(partial(_picture, folder, records, width, height), items))
-        blank = [np.full_like(pictures[0], 255)] * (high * wide - len(items))
-        grid = np.stack(pictures + blank).reshape(high, wide, height, width, 3)
+        made_so = target.is_file() and all(known.get(key) == value for key, value in recipe.items())
+        if made_so and file_digest(target) == known["sha256"]:
+            return
+        grid = _pictures(folder, items, records, threads, wide, high)
         with writing(target) as file:
             file.write(encoded(_figure(grid, rows, columns, wrapped=wrapped), "png"))
         ledger.add(NAME, {"only": "sheet", "sha256": file_digest(target)} | recipe)
-    return True
+
+
+def _pictures(
+    folder: Path, items: Sequence[Item], records: Mapping[str, Record], threads: int, wide: int, high: int
+) -> NDArray[np.uint8]:
+    """Return what each item shows at its end, (high, wide, height, width, 3), white where there is none."""
+    width = 2 * (int(np.clip(_PAGE / wide, _NARROW, _WIDE)) // 2)
+    video = items[0].scene.video
+    height = 2 * max(round(width * video.height / video.width / 2), 32)
+    with ThreadPoolExecutor(threads) as pool:
+        made = list(pool.map(partial(_picture, folder, records, width, height), items))
+    blank = [np.full_like(made[0], 255)] * (high * wide - len(items))
+    return np.stack(made + blank).reshape(high, wide, height, width, 3)
 
 
 def _arranged(axes: Axes) -> tuple[Axes, Axes]:
     """Return the axes that rows stand for and those that columns do, as near to a square as their order allows."""
     varied = [axis for axis in axes if len(axis[1]) > 1]
-    count = prod(len(values) for _, values in varied)
-
-    def skew(rows: int) -> float:
-        return abs(prod(len(values) for _, values in varied[:rows]) - sqrt(count))
-
-    split = min(range(1, len(varied)), key=skew, default=0)
+    square = sqrt(_count(varied))
+    split = min(range(1, len(varied)), key=lambda rows: abs(_count(varied[:rows]) - square), default=0)
     return varied[:split], varied[split:]
+
+
+def _count(axes: Axes) -> int:
+    return prod(len(values) for _, values in axes)
 
 
 def _figure(grid: NDArray[np.uint8], rows: Axes, columns: Axes, *, wrapped: bool) -> Figure:

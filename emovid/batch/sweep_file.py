@@ -14,7 +14,7 @@ from emovid.places import KeyPath, Places, place_of
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, scene_keys
 from emovid.scene.picture import read_pictures
-from emovid.whole_files import reason
+from emovid.scene.shipped import CONFIGS, read_text
 from emovid.yaml_text import read_yaml
 
 KEYS = ("only", "scenes", "set", "list", "grid", "seeds")
@@ -71,6 +71,12 @@ class SweepFile:
         return json.dumps(kept, indent=1, ensure_ascii=False) + "\n"
 
 
+def find_sweep(source: Path) -> Path:
+    """Return the file that is meant: this one, or, where there is none, the shipped one of that name."""
+    shipped = CONFIGS / "sweeps" / f"{source}.yaml"
+    return shipped if not source.exists() and shipped.is_file() else source
+
+
 def read_sweep_file(path: Path, only: str | None = None) -> SweepFile:
     """Return what a sweep.yaml says, or the JSON of `SweepFile.plan`.
 
@@ -88,15 +94,11 @@ def read_sweep_file(path: Path, only: str | None = None) -> SweepFile:
 
 
 def _read(path: Path) -> tuple[Any, Places]:
+    text = read_text(path, "sweep")
     try:
-        text = path.read_bytes().decode("utf-8-sig")
         if path.suffix == ".json":
             return json.loads(text), {(): str(path)}
         return read_yaml(text, str(path))
-    except OSError as error:
-        raise SceneError(str(path), "", f"cannot be read: {reason(error)}") from None
-    except UnicodeDecodeError:
-        raise SceneError(str(path), "", "not UTF-8 text") from None
     except (ValueError, RecursionError):
         raise SceneError(str(path), "", "not JSON: expected a plan that emovid sweep wrote") from None
     except SceneError as error:
@@ -132,7 +134,7 @@ class _Reader:
 
     def _scenes(self) -> dict[str, Template]:
         given = self.keys.get("scenes")
-        if isinstance(given, dict):
+        if isinstance(given, dict) and given:
             return {name: self._inline(name, keys) for name, keys in given.items()}
         if not isinstance(given, list) or not given:
             self._refuse(("scenes",), "expected a list of emotions and scene files")

@@ -120,6 +120,7 @@ WRONG = {
     "[1]": "sweep.yaml: not a sweep: expected some of only, scenes, set, list, grid, seeds",
     "scenes: [anger]\nsedes: 3": "sweep.yaml:2: sedes: unknown key (did you mean seeds?)",
     "seeds: 3": "sweep.yaml:1: scenes: expected a list of emotions and scene files",
+    "scenes: {}": "sweep.yaml:1: scenes: expected a list of emotions and scene files",
     "scenes: []": "sweep.yaml:1: scenes: expected a list of emotions and scene files",
     "scenes:\n  - angr": "sweep.yaml:2: scenes.0: angr: no such file or emotion (did you mean anger?)",
     "scenes: [3]": "sweep.yaml:1: scenes.0: 3: expected an emotion or a scene file",

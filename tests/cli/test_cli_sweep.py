@@ -131,6 +131,12 @@ def test_the_sheet_shows_each_item_in_its_place() -> None:
     assert (np.abs(across) < 5).all()
 
 
+def test_the_shipped_sweep_is_known_by_its_name(capsys) -> None:
+    assert sweep("--shard", "24/24", "--jobs", 1, file="look_ahead_and_gain") == 0
+    assert capsys.readouterr().err.splitlines()[0].endswith(".mp4: 150 frames")
+    assert [row["robot.K"] for row in rows("sweeps/look_ahead_and_gain")] == ["12"]
+
+
 def test_json_counts(capsys) -> None:
     assert sweep("-o", "a", "--jobs", 1, "--json") == 0
     said = capsys.readouterr()
@@ -145,8 +151,9 @@ def test_a_failure_is_listed_and_the_others_are_made(capsys) -> None:
     Path("a", victim.name).mkdir(parents=True)
     assert sweep("-o", "a", "--jobs", 1) == 1
     said = capsys.readouterr().err.splitlines()
-    assert said[-3].startswith(f"{victim}: ")
-    assert said[-2:] == ["a/results.csv: 7 of 8 items", "1 of 8 items failed: run again to make what is missing"]
+    assert said[-3] == "a/results.csv: 7 of 8 items"
+    assert said[-2].startswith(f"{victim}: ")
+    assert said[-1] == "1 of 8 items failed: run again to make what is missing"
     assert len(rows("a")) == 7
 
 

@@ -1,0 +1,30 @@
+"""What decides whether a result is up to date."""
+
+import re
+from pathlib import Path
+
+import emovid
+from emovid.batch.job import _ROOMS
+
+PACKAGE = Path(emovid.__file__).parent
+OUTSIDE = {"errors", "places", "signals", "whole_files", "yaml_text"}  # they read, write and refuse; no pixel is theirs
+
+
+def rooms_behind(names: tuple[str, ...]) -> set[str]:
+    """Return the rooms that these modules import, directly or not."""
+    found, left = set(), [name.removesuffix(".py") for name in names]
+    while left:
+        room = left.pop()
+        if room in found:
+            continue
+        found.add(room)
+        files = (PACKAGE / room).glob("*.py") if (PACKAGE / room).is_dir() else [PACKAGE / f"{room}.py"]
+        for file in files:
+            left += re.findall(r"^ *from emovid\.(\w+)", file.read_text(), re.MULTILINE)
+    return found - OUTSIDE
+
+
+def test_a_change_of_any_module_behind_a_result_makes_it_stale() -> None:
+    for only in ("video", "trajectory", "measure"):
+        rooms = _ROOMS[only]
+        assert rooms_behind(rooms) == {room.removesuffix(".py") for room in rooms}, only

@@ -1,0 +1,51 @@
+"""A short run of the chaos suite; `make chaos` is the long one, its table is docs/chaos.md."""
+
+import random
+from pathlib import Path
+
+import pytest
+from faults import SIGNALS, VICTIMS, at_random, lasting, spoilt, with_ffmpeg
+from trial import Fault, reference_run, try_fault
+
+SEED = 20210321
+RNG = random.Random(SEED)  # noqa: S311 - a failure can be repeated
+MOMENTS = [at_random(RNG, SIGNALS[i % 3], victim) for i, victim in enumerate(VICTIMS)]
+LASTING = {fault.name: fault for fault in lasting()}
+CHOSEN = (  # tests/video/test_encode.py has more of them, for one video
+    "a limit on the size of files",
+    "a full device",
+    "an ffmpeg that hangs at the start",
+    "a folder that vanishes",
+    "two runs into one folder",
+    "stale temporary files",
+)
+FAULTS = [*(LASTING[name] for name in CHOSEN), spoilt(RNG, "manifest.json"), *MOMENTS]
+
+
+@pytest.fixture(scope="module")
+def reference(tmp_path_factory) -> Path:
+    return tmp_path_factory.mktemp("reference") / "videos"
+
+
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
+def test_a_fault_leaves_nothing_half_done(reference: Path, fault: Fault) -> None:
+    assert try_fault(fault, reference, reference_run(reference)) == []
+
+
+@pytest.mark.parametrize(
+    ("broken", "violation"),
+    [
+        (
+            "encode.whole_file = contextlib.contextmanager(lambda target: (yield target))",
+            "is neither absent, nor the old one",
+        ),
+        ("whole_files._remove = lambda path: None", "temporary files left"),
+        ("encode._check_count = lambda *_: None", "exit code 0 with 0 of 6 complete"),
+    ],
+    ids=["writes in place", "leaves its temporary files", "does not count frames"],
+)
+def test_a_command_that_breaks_its_promise_is_noticed(reference: Path, broken: str, violation: str) -> None:
+    first = f"import contextlib; from emovid import whole_files; from emovid.video import encode; {broken}"
+    script = 'head -c 1000000 | "$real" "$@"; cat > /dev/null'
+    fault = with_ffmpeg("an ffmpeg that loses frames", script, "of 30 frames", first)
+    assert violation in "; ".join(try_fault(fault, reference, reference_run(reference)))

@@ -1,0 +1,84 @@
+"""The same sweep here, in shards and on a Dask cluster that loses a worker: the same table and the same bytes.
+
+`make chaos` does so with 500 videos.
+"""
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from dask_cluster import dask_cluster
+
+from emovid.batch import cluster
+from emovid.cli.main import main
+
+SWEEP = """
+only: trajectory
+scenes: [happiness, surprise, sadness, fear, anger]
+set: {duration: 0.2, robots: 4}
+grid: {robot.l: {from: 0.005, to: 0.02, count: 5}}
+seeds: 4
+"""
+ITEMS = 5 * 5 * 4
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    """Return a folder with a sweep of a hundred items, and in `here` what it gives in this process."""
+    folder = tmp_path_factory.mktemp("sweep")
+    (folder / "s.yaml").write_text(SWEEP)
+    assert main(["sweep", str(folder / "s.yaml"), "-o", str(folder / "here"), "--jobs", "1", "--quiet"]) == 0
+    assert len((folder / "here" / "results.csv").read_text().splitlines()) == ITEMS + 1
+    return folder
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def test_shards_give_the_same_table_and_bytes(folder) -> None:
+    for shard in (3, 1, 2):
+        arguments = ["-o", str(folder / "shards"), "--shard", f"{shard}/3", "--jobs", "1", "--quiet"]
+        assert main(["sweep", str(folder / "s.yaml"), *arguments]) == 0
+    assert contents(folder / "shards") == contents(folder / "here")
+
+
+def test_a_dask_cluster_that_loses_a_worker_gives_the_same_table_and_bytes(folder, tmp_path) -> None:
+    target = folder / "dask"
+    with dask_cluster(tmp_path, 2) as (address, workers):
+        command = ["sweep", str(folder / "s.yaml"), "-o", str(target), "--scheduler", address]
+        with subprocess.Popen([sys.executable, "-m", "emovid", *command], stderr=subprocess.PIPE, text=True) as process:
+            assert process.stderr
+            for line in process.stderr:
+                if line.startswith(f"[{ITEMS // 3}/"):
+                    workers[0].kill()
+                    break
+            said = process.stderr.read()
+    assert process.returncode == 0, said
+    assert f"results.csv: {ITEMS} of {ITEMS} items" in said
+    assert contents(target) == contents(folder / "here")
+
+
+def test_a_scheduler_that_goes_ends_the_run_and_the_next_completes_it(folder, tmp_path) -> None:
+    target, arguments = folder / "gone", ["sweep", str(folder / "s.yaml"), "-o", str(folder / "gone")]
+    with dask_cluster(tmp_path, 1) as (address, _):
+        command = [sys.executable, "-m", "emovid", *arguments, "--scheduler", address]
+        process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        assert process.stderr
+        while not process.stderr.readline().startswith("[5/"):
+            time.sleep(0)
+    said = process.communicate(timeout=120)[1].splitlines()
+    assert process.returncode == 1
+    assert said[-1] == f"--scheduler {address}: the scheduler is gone: run again to make what is missing"
+    assert main([*arguments, "--jobs", "1", "--quiet"]) == 0
+    assert contents(target) == contents(folder / "here")
+
+
+def test_a_scheduler_that_is_not_there_is_one_line(folder, tmp_path, capsys, monkeypatch) -> None:
+    monkeypatch.setattr(cluster, "_PATIENCE", 0.5)
+    arguments = ["sweep", str(folder / "s.yaml"), "-o", str(tmp_path / "x"), "--scheduler", "tcp://127.0.0.1:9"]
+    assert main(arguments) == 1
+    assert capsys.readouterr().err == "--scheduler tcp://127.0.0.1:9: no Dask scheduler answers there\n"
+    assert not (tmp_path / "x").exists()

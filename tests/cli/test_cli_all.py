@@ -1,0 +1,283 @@
+"""What all commands have in common: names of options, help, exit codes, colours, completion."""
+
+import os
+import pty
+import re
+import select
+import shlex
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.main import get_command
+
+from emovid.cli.main import app, main
+from emovid.scene.emotions import EMOTIONS
+
+EMOVID = [sys.executable, "-m", "emovid"]
+# As the installed script does: completion asks for the program's name.
+LAUNCH = [sys.executable, "-c", "import sys; sys.argv[0] = 'emovid'; from emovid.cli.main import run; run()"]
+DOCS = Path(__file__).parent.parent.parent / "docs"
+ANSI_COLOUR = re.compile(rb"\x1b\[[0-9;]*3[0-9]")
+
+
+def walk(command: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[str, Any]]:
+    """Yield every command with its name, as in "scene diff"."""
+    if hasattr(command, "commands"):
+        for name, inner in command.commands.items():
+            yield from walk(inner, (*path, name))
+    else:
+        yield " ".join(path), command
+
+
+COMMANDS = dict(walk(get_command(app)))
+OPTIONS = [
+    (name, option)
+    for name, command in COMMANDS.items()
+    for option in command.params
+    if option.param_type_name == "option" and option.name != "help"
+]
+each_command = pytest.mark.parametrize(("name", "command"), COMMANDS.items(), ids=list(COMMANDS))
+
+# One letter, one meaning; in every command that has the option.
+SHORT = {
+    "--all": "-a",
+    "--emotion": "-e",
+    "--force": "-f",
+    "--jobs": "-j",
+    "--list": "-l",
+    "--output": "-o",
+    "--platform": "-p",
+    "--quiet": "-q",
+    "--watch": "-w",
+}
+# Options that mean the same everywhere say the same everywhere.
+SHARED = ("--force", "--jobs", "--set", "--emotion")
+
+
+def options(command: Any) -> set[str]:
+    return {name for option in command.params for name in option.opts if name.startswith("--")}
+
+
+# --- options and help ------------------------------------------------------------------------------------------------
+
+
+def test_an_option_has_one_long_name_and_the_same_letter_everywhere() -> None:
+    for name, option in OPTIONS:
+        long, *short = sorted(option.opts, key=len, reverse=True)
+        assert short == [SHORT[long]] if long in SHORT else short == [], (name, option.opts)
+
+
+@pytest.mark.parametrize("shared", SHARED)
+def test_an_option_that_means_the_same_says_the_same(shared) -> None:
+    assert len({option.help for _, option in OPTIONS if shared in option.opts}) == 1
+
+
+def test_what_is_wished_or_not_is_a_flag() -> None:
+    for name, option in OPTIONS:
+        if {"--json", "--quiet", "--force"} & set(option.opts):
+            assert option.is_flag, name
+        if "--quiet" in option.opts:
+            assert option.help.startswith("Say nothing but "), name
+
+
+@each_command
+def test_a_command_that_writes_can_be_quiet(name, command) -> None:
+    if "--output" in options(command) or "--force" in options(command):
+        assert "--quiet" in options(command)
+
+
+@each_command
+def test_a_command_says_what_it_does_what_its_options_do_and_gives_examples(name, command) -> None:
+    summary = command.help.split("\n\n")[0]
+    assert re.fullmatch(r"[A-Z].*[.]", " ".join(summary.split()))
+    for option in command.params:
+        if option.name != "help":
+            assert re.fullmatch(r"[A-Za-z0-9].*[.:)]", option.help), (name, option.name)
+    assert examples(command), name
+
+
+def examples(command: Any) -> list[str]:
+    found = re.search(r"Examples?: (.*)", command.help, re.DOTALL)
+    return [" ".join(example.split()) for example in found[1].split(" · ")] if found else []
+
+
+@each_command
+def test_the_examples_of_a_command_are_its_own_and_can_be_parsed(name, command) -> None:
+    for example in examples(command):
+        words = shlex.split(example.partition(" > ")[0])
+        own = ["emovid", *name.split()]
+        assert words[: len(own)] == own
+        command.make_context(name, words[len(own) :])
+
+
+@each_command
+def test_help_is_shown_by_both_names(name, command, capsys) -> None:
+    shown = []
+    for flag in ("--help", "-h"):
+        assert main([*name.split(), flag]) == 0
+        shown.append(capsys.readouterr().out)
+    assert shown[0] == shown[1]
+    assert f"Usage: emovid {name}" in shown[0]
+
+
+# --- exit codes ------------------------------------------------------------------------------------------------------
+
+
+def test_exit_codes_are_documented_in_the_help_and_in_the_docs(capsys) -> None:
+    text = (DOCS / "exit-codes.md").read_text()
+    assert re.findall(r"^\| (\d+) \|", text, re.MULTILINE) == ["0", "1", "2", "130", "143"]
+    assert main(["--help"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert all(code in said[said.index("Exit codes") :] for code in ("0", "1", "2", "130", "143"))
+
+
+def test_every_command_that_finds_things_is_in_the_table_of_exit_codes() -> None:
+    listed = set(
+        re.findall(r"^\| `emovid ([a-z ]+?)(?: --\w+)?` \|", (DOCS / "exit-codes.md").read_text(), re.MULTILINE)
+    )
+    texts = {name: command.help + "".join(o.help or "" for o in command.params) for name, command in COMMANDS.items()}
+    assert listed == {name for name, text in texts.items() if "exit with 1" in " ".join(text.split())}
+
+
+@each_command
+def test_an_unknown_option_is_one_line_and_exit_code_2(name, command, capsys) -> None:
+    assert main([*name.split(), "--no-such-option"]) == 2
+    said = capsys.readouterr()
+    assert (said.out, len(said.err.splitlines())) == ("", 1)
+
+
+@pytest.mark.parametrize(
+    ("raised", "code", "message"),
+    [
+        (KeyboardInterrupt, 130, "interrupted: run again to make what is missing\n"),
+        (MemoryError, 1, "not enough memory: fewer robots, a longer control_period or a shorter duration need less\n"),
+    ],
+)
+def test_what_ends_a_command_from_outside_is_one_line(raised, code, message, tmp_path, monkeypatch, capsys) -> None:
+    def simulate(*_: object) -> None:
+        raise raised
+
+    monkeypatch.setattr("emovid.swarm.simulate.simulate", simulate)
+    monkeypatch.chdir(tmp_path)
+    assert main(["simulate", "fear"]) == code
+    assert capsys.readouterr().err == message
+    assert list(tmp_path.iterdir()) == []
+
+
+# --- colours ---------------------------------------------------------------------------------------------------------
+
+
+def on_a_terminal(arguments: list[str], **environment: str) -> bytes:
+    """Return what a command writes to a terminal of 100 columns."""
+    plain = {key: value for key, value in os.environ.items() if key not in ("NO_COLOR", "FORCE_COLOR", "CI")}
+    master, slave = pty.openpty()
+    command = subprocess.Popen(
+        [*EMOVID, *arguments],
+        stdin=slave,
+        stdout=slave,
+        stderr=slave,
+        env=plain | {"TERM": "xterm-256color", "COLUMNS": "100"} | environment,
+    )
+    os.close(slave)
+    said = b""
+    while select.select([master], [], [], 60)[0]:
+        try:
+            chunk = os.read(master, 65536)
+        except OSError:  # the other end has closed
+            break
+        if not chunk:
+            break
+        said += chunk
+    os.close(master)
+    command.wait(60)
+    return said
+
+
+def test_colours_are_for_a_terminal_and_not_where_they_are_unwanted() -> None:
+    assert ANSI_COLOUR.search(on_a_terminal(["render", "--help"]))
+    assert not ANSI_COLOUR.search(on_a_terminal(["render", "--help"], NO_COLOR="1"))
+    plain = {key: value for key, value in os.environ.items() if key not in ("FORCE_COLOR", "GITHUB_ACTIONS")}
+    piped = subprocess.run([*EMOVID, "render", "--help"], capture_output=True, env=plain, check=True)
+    assert b"\x1b" not in piped.stdout
+
+
+def test_results_on_a_terminal_have_no_colours_where_they_are_unwanted(tmp_path) -> None:
+    render = ["render", "sadness", "--size", "96x64", "--set", "duration=2", "-o", str(tmp_path)]
+    for arguments in (render, ["measure", "sadness", "--set", "duration=8"]):
+        said = on_a_terminal(arguments, NO_COLOR="1")
+        assert said
+        assert not ANSI_COLOUR.search(said), arguments
+
+
+# --- completion ------------------------------------------------------------------------------------------------------
+
+
+def completed(line: str, cwd: Path) -> list[str]:
+    """Return what bash would offer for the last word of a line."""
+    words = line.split(" ")
+    environment = {"_EMOVID_COMPLETE": "complete_bash", "COMP_WORDS": line, "COMP_CWORD": str(len(words) - 1)}
+    done = subprocess.run(LAUNCH, cwd=cwd, env=os.environ | environment, capture_output=True, text=True, check=True)
+    assert done.stderr == ""
+    return done.stdout.split()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    """A folder with two scenes, a run, and things that are neither."""
+    folder = tmp_path_factory.mktemp("work")
+    (folder / "scenes").mkdir()
+    for name in ("angles.yaml", "scenes/mine.yaml", "run.npz", "notes.txt", ".hidden.yaml"):
+        (folder / name).touch()
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("emovid prev", ["preview"]),
+        ("emovid scene d", ["diff"]),
+        ("emovid render --emotion ", list(EMOTIONS)),
+        ("emovid render --emotion s", ["surprise", "sadness"]),
+        ("emovid preview an", ["anger", "angles.yaml"]),
+        ("emovid preview s", ["surprise", "sadness", "scenes/"]),
+        ("emovid scene diff anger scenes/", ["scenes/mine.yaml"]),
+        ("emovid scene new x.yaml --from d", ["disgust"]),
+        ("emovid render r", ["run.npz"]),
+        ("emovid simulate r", []),
+        ("emovid measure run", ["run.npz"]),
+        ("emovid preview nowhere/", []),
+        ("emovid render --theme ", ["light", "dark"]),
+        ("emovid render fear --overlay c", ["cells", "clock"]),
+        ("emovid figures dens", ["densities"]),
+        ("emovid figures frames an", ["anger-frames", "anger", "angles.yaml"]),
+        ("emovid study export kit --to ps", ["psychopy", "psych-ds"]),
+    ],
+)
+def test_a_shell_completes(folder, line, expected) -> None:
+    assert completed(line, folder) == expected
+
+
+@pytest.mark.parametrize(
+    ("shell", "mark"), [("bash", "complete -o default -F"), ("zsh", "#compdef emovid"), ("fish", "complete --command")]
+)
+def test_the_scripts_of_shells_call_us(shell, mark) -> None:
+    environment = os.environ | {"_EMOVID_COMPLETE": f"source_{shell}"}
+    script = subprocess.run(LAUNCH, env=environment, capture_output=True, text=True, check=True).stdout
+    assert mark in script
+    assert f"_EMOVID_COMPLETE=complete_{shell}" in script
+
+
+def test_completion_is_installed_where_bash_finds_it(tmp_path) -> None:
+    home = os.environ | {
+        "HOME": str(tmp_path),
+        "SHELL": "/bin/bash",
+        "_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION": "1",
+    }
+    subprocess.run([*EMOVID, "--install-completion", "bash"], env=home, capture_output=True, check=True)
+    script = tmp_path / ".bash_completions" / "emovid.sh"
+    assert f"source '{script}'" in (tmp_path / ".bashrc").read_text()
+    assert "_EMOVID_COMPLETE=complete_bash" in script.read_text()

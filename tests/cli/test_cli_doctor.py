@@ -1,0 +1,110 @@
+import json
+import webbrowser
+from importlib.metadata import PackageNotFoundError
+from pathlib import Path
+
+import pytest
+
+from emovid.cli import checkup
+from emovid.cli.main import main
+from emovid.errors import RenderError
+
+
+def found(capsys) -> dict[str, dict]:
+    return {check["name"]: check for check in json.loads(capsys.readouterr().out)["checks"]}
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path, monkeypatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_whole_installation_passes_and_nothing_is_left(tmp_path, capsys) -> None:
+    assert main(["doctor"]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[-1] == "all that is needed works"
+    assert (
+        sum(line.startswith(("ok       mp4: encoded by ffmpeg ", "ok       webm", "ok       gif")) for line in said)
+        == 3
+    )
+    assert f"folder {tmp_path}: writable" in "\n".join(said)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_ffmpeg_that_does_not_encode_fails_and_is_told_how_to_mend(capsys, monkeypatch) -> None:
+    def render(*_: object) -> str:
+        raise RenderError("run.mp4: ffmpeg failed with exit status 1: Unknown encoder 'libx264'")
+
+    monkeypatch.setattr("emovid.video.render.render_video", render)
+    assert main(["doctor"]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    at = lines.index("FAILED   mp4: run.mp4: ffmpeg failed with exit status 1: Unknown encoder 'libx264'")
+    assert "imageio-ffmpeg" in lines[at + 1]
+    assert lines[-1] == "1 needed things fail"
+    assert any(line.startswith("missing  webm: ") for line in lines)
+
+
+def test_the_real_ffmpeg_is_asked(capsys, monkeypatch) -> None:
+    from emovid.video import encode
+
+    monkeypatch.setattr(encode, "ffmpeg", lambda: "/bin/false")
+    assert main(["doctor", "--json"]) == 1
+    assert "ffmpeg failed with exit status 1" in found(capsys)["mp4"]["found"]
+
+
+def test_missing_and_old_packages_are_named(capsys, monkeypatch) -> None:
+    def version(name: str) -> str:
+        if name == "scipy":
+            raise PackageNotFoundError(name)
+        return {"numpy": "1.26.4"}.get(name, "999")
+
+    monkeypatch.setattr(checkup, "version", version)
+    assert main(["doctor", "--json"]) == 1
+    check = found(capsys)["packages"]
+    assert check["found"] == "numpy 1.26.4 is older than 2.1; scipy is missing"
+    assert check["remedy"] == "pip install 'numpy>=2.1' 'scipy>=1.15'"
+
+
+def test_an_extra_that_is_missing_does_not_fail(capsys, monkeypatch) -> None:
+    needs = ["numpy>=2.1", "nowhere>=1; extra == 'cloud'", "pytest; extra == 'dev'"]
+    monkeypatch.setattr(checkup, "requires", lambda _: needs)
+    assert main(["doctor", "--json"]) == 0
+    checks = found(capsys)
+    assert checks["extra cloud"] == {
+        "name": "extra cloud",
+        "passed": False,
+        "needed": False,
+        "found": "nowhere is missing",
+        "remedy": "pip install 'nowhere>=1'",
+    }
+    assert "extra dev" not in checks
+
+
+def test_a_browser_is_named_if_there_is_one(capsys, monkeypatch) -> None:
+    monkeypatch.setattr(webbrowser, "get", lambda: webbrowser.GenericBrowser("surf"))
+    assert main(["doctor", "--json"]) == 0
+    assert found(capsys)["browser"]["found"] == "surf"
+
+    def none() -> None:
+        raise webbrowser.Error("could not locate runnable browser")
+
+    monkeypatch.setattr(webbrowser, "get", none)
+    assert main(["doctor", "--json"]) == 0
+    assert found(capsys)["browser"]["passed"] is False
+
+
+def test_a_folder_that_is_full_or_gone_fails(tmp_path, monkeypatch) -> None:
+    assert checkup._writing(tmp_path).passed
+    gone = checkup._writing(tmp_path / "gone")
+    assert (gone.passed, gone.found) == (False, "no such file or directory")
+    monkeypatch.setattr(checkup, "_ROOM", 10**18)
+    full = checkup._writing(tmp_path)
+    assert (full.passed, full.needed) == (False, True)
+    assert full.remedy.startswith("make room")
+
+
+def test_every_check_that_fails_has_a_remedy_and_no_other(monkeypatch) -> None:
+    monkeypatch.setattr(checkup, "requires", lambda _: ["nowhere"])
+    for check in checkup.checks(Path("/nowhere")):
+        assert bool(check.remedy) == (not check.passed), check
