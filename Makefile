@@ -3,16 +3,27 @@ PYTHON ?= python3
 JOBS ?= $(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
 BIN := .venv/bin
 
-.PHONY: all-videos figures kit study test coverage lint format bench readme docs sensitivity setup clean
+.PHONY: all-videos robotarium-videos robotarium-table figures gallery golden kit study test chaos coverage lint format bench bench-survey readme docs sensitivity setup clean
 
 all-videos: .venv/installed
 	$(BIN)/emovid render --all --jobs $(JOBS) -o videos
 
+robotarium-videos: .venv/installed
+	$(BIN)/emovid render --all --platform robotarium --view overhead --jobs $(JOBS) -o videos/robotarium/overhead
+	$(BIN)/emovid render --all --platform robotarium --view perspective --jobs $(JOBS) -o videos/robotarium/perspective
+
 figures: .venv/installed
-	$(BIN)/emovid figures all -o figures --format pdf --format png
+	$(BIN)/emovid figures all gallery -o figures --format pdf --format png
+
+gallery: .venv/installed
+	$(BIN)/emovid figures gallery -o figures
 
 test: .venv/dev-installed
 	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile
+
+chaos: .venv/dev-installed
+	$(BIN)/python tests/chaos --table docs/chaos.md
+	EMOVID_EXAMPLES=2000 $(BIN)/python -m pytest -q tests/chaos/test_fuzz.py
 
 coverage: .venv/dev-installed
 	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile --cov --cov-report=term --cov-report=html:coverage
@@ -31,17 +42,22 @@ kit: .venv/installed
 	$(BIN)/emovid study audit kit
 
 bench: .venv/dev-installed
-	$(BIN)/python benchmarks/startup.py
-	$(BIN)/python benchmarks/gate.py
-	$(BIN)/python benchmarks/coverage_scale.py
-	$(BIN)/python benchmarks/render_cost.py
-	$(BIN)/python benchmarks/peers.py
+	$(BIN)/python benchmarks $(ONLY)
+
+bench-survey: .venv/dev-installed
+	$(BIN)/python benchmarks survey
 
 readme: .venv/installed
 	$(BIN)/python docs/make_picture.py docs/six-emotions.webp
 
 docs: .venv/dev-installed
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+
+golden: .venv/dev-installed
+	$(BIN)/python tests/figures/golden.py
+
+robotarium-table: .venv/installed
+	$(BIN)/python docs/make_robotarium.py docs
 
 sensitivity: .venv/installed
 	$(BIN)/python docs/make_sensitivity.py docs

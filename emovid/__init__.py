@@ -3,20 +3,35 @@
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from emovid.measure.describe import describe
     from emovid.scene.load import load_scene
     from emovid.study.analyze import analyze
     from emovid.study.read import read_responses
+    from emovid.swarm.dataframe import to_dataframe
     from emovid.swarm.simulate import simulate
+    from emovid.video.preview import show
     from emovid.video.render import render_video
 
-__all__ = ["analyze", "load_scene", "read_responses", "render_video", "simulate"]
+__all__ = [
+    "analyze",
+    "describe",
+    "load_scene",
+    "read_responses",
+    "render_video",
+    "show",
+    "simulate",
+    "to_dataframe",
+]
 
 _HOMES = {
     "analyze": "emovid.study.analyze",
+    "describe": "emovid.measure.describe",
     "load_scene": "emovid.scene.load",
     "read_responses": "emovid.study.read",
-    "simulate": "emovid.swarm.simulate",
     "render_video": "emovid.video.render",
+    "show": "emovid.video.preview",
+    "simulate": "emovid.swarm.simulate",
+    "to_dataframe": "emovid.swarm.dataframe",
 }
 
 
@@ -27,3 +42,8 @@ def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f"module 'emovid' has no attribute {name!r}")
     return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    """Return the names that completion in a notebook offers: the public API, imported or not."""
+    return sorted({*globals(), *__all__})

@@ -1,5 +1,6 @@
 """Files that appear under their name whole or not at all, whatever interrupts the writing; and what is in them."""
 
+import errno
 import glob
 import hashlib
 import os
@@ -17,6 +18,15 @@ from emovid.errors import EmovidError
 _SUFFIX = ".part"
 _LEFT = re.compile(r"\..+\.[^.].*-\d+\.part(\.former\.part)?")  # .NAME.HOST-PID.part
 _DAY = 86_400  # seconds
+_REMEDIES = {
+    errno.ENOSPC: "free some space",
+    errno.EDQUOT: "free some of your quota",
+    errno.EFBIG: "raise the limit on the size of files (ulimit -f)",
+    errno.EROFS: "choose another folder",
+    errno.EACCES: "choose another folder",
+    errno.EPERM: "choose another folder",
+    errno.ENOENT: "is its folder still there?",
+}
 
 
 @contextmanager
@@ -35,7 +45,7 @@ def whole_file(target: Path) -> Iterator[Path]:
             os.fsync(file.fileno())
         part.replace(target)
     except OSError as error:
-        raise EmovidError(f"{target}: cannot be written: {reason(error)}") from None
+        raise not_written(target, error) from None
     finally:
         _remove(part)
 
@@ -55,7 +65,7 @@ def whole_folder(target: Path) -> Iterator[Path]:
             target.rename(former)
         part.rename(target)
     except OSError as error:
-        raise EmovidError(f"{target}: cannot be written: {reason(error)}") from None
+        raise not_written(target, error) from None
     finally:
         if former.exists() and not target.exists():
             former.rename(target)
@@ -86,7 +96,7 @@ def make_folder(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise EmovidError(f"{folder}: cannot be made: {reason(error)}") from None
+        raise not_written(folder, error, "made") from None
 
 
 def file_digest(path: Path) -> str:
@@ -125,6 +135,16 @@ def is_written(left: Path) -> bool:
 def reason(error: OSError) -> str:
     """Return what the system says went wrong, in lower case."""
     return (error.strerror or str(error)).lower()
+
+
+def cause(number: int) -> str:
+    """Return what the system says of an error number in writing, and what to do about it where that can be said."""
+    return os.strerror(number).lower() + (f": {_REMEDIES[number]}" if number in _REMEDIES else "")
+
+
+def not_written(target: Path, error: OSError, how: str = "written") -> EmovidError:
+    """Return the error of a file that cannot be written: which, why, and what to do about it."""
+    return EmovidError(f"{target}: cannot be {how}: {cause(error.errno) if error.errno else reason(error)}")
 
 
 def _part_beside(target: Path) -> Path:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from emovid.cli import completion
 from emovid.cli.options import Force, Json, Quiet
 from emovid.cli.progress import counting
 from emovid.errors import InputError, nearest
@@ -115,7 +116,10 @@ def export(
     to: Annotated[
         str,
         typer.Option(
-            "--to", metavar="TOOL", help="jspsych, psychopy, qualtrics, limesurvey, psych-ds, prereg, checklist."
+            "--to",
+            metavar="TOOL",
+            help="jspsych, psychopy, qualtrics, limesurvey, psych-ds, prereg, checklist.",
+            autocompletion=completion.tools,
         ),
     ],
     output: Annotated[

@@ -4,14 +4,18 @@ import gc
 import os
 import signal
 import sys
-from typing import Annotated, NoReturn
+import warnings
+from typing import Annotated, NoReturn, TextIO
 
 import typer
 from typer.exceptions import TyperException
 
-from emovid.cli import scene, study
+from emovid.cli import export, scene, study
+from emovid.cli.check_platform import check_platform
+from emovid.cli.doctor import doctor
 from emovid.cli.figures import figures
 from emovid.cli.measure import measure
+from emovid.cli.preview import preview
 from emovid.cli.render import render
 from emovid.cli.simulate import simulate
 from emovid.cli.status import status, verify
@@ -24,12 +28,16 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.command()(render)
+app.command()(preview)
 app.command()(simulate)
 app.command()(measure)
+app.command("check-platform")(check_platform)
 app.command()(sweep)
 app.command()(status)
 app.command()(verify)
 app.command()(figures)
+app.command()(doctor)
+app.add_typer(export.app, name="export")
 app.add_typer(scene.app, name="scene")
 app.add_typer(study.app, name="study")
 
@@ -48,7 +56,13 @@ def _emovid(
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
     ] = False,
 ) -> None:
-    """Videos, figures and user studies of emotions expressed by a robot swarm (Santos and Egerstedt, 2021)."""
+    """Videos, figures and user studies of emotions expressed by a robot swarm (Santos and Egerstedt, 2021).
+
+    Exit codes: 0 for done; 1 for a failure, or a check that found something;
+    2 for a mistake in what was given; 130 or 143 for an interruption.
+
+    Examples: emovid render --emotion anger · emovid preview my.yaml --watch · emovid COMMAND --help
+    """
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -73,6 +87,17 @@ def _say(message: str, code: int) -> int:
     return code
 
 
+def _show_warning(
+    message: Warning | str,
+    category: type[Warning],  # noqa: ARG001
+    filename: str,  # noqa: ARG001
+    lineno: int,  # noqa: ARG001
+    file: TextIO | None = None,
+    line: str | None = None,  # noqa: ARG001
+) -> None:
+    print(f"warning: {message}", file=file or sys.stderr)
+
+
 def _on_sigterm(*_: object) -> NoReturn:
     raise SystemExit(143)
 
@@ -80,6 +105,7 @@ def _on_sigterm(*_: object) -> NoReturn:
 def run() -> NoReturn:
     """Run as a program, which a SIGTERM ends like a Ctrl-C: what is under way is undone."""
     signal.signal(signal.SIGTERM, _on_sigterm)
+    warnings.showwarning = _show_warning
     # Commands are short. Threads that wait to help with larger matrices than ours would cost each 0.2 s; looking for
     # garbage, 0.05 s during imports and 0.1 s at the end, when all that is left goes anyway.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from emovid.cli.options import Json, Quiet, Seed, Set, settings
+from emovid.cli import completion
+from emovid.cli.options import Json, Platform, Quiet, Seed, Set, on_platform, settings
 from emovid.errors import InputError
 
 if TYPE_CHECKING:
@@ -24,13 +25,17 @@ def measure(
     sources: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[SCENE]...", help="Scenes (.yaml), finished runs (.npz), or emotions.", show_default=False
+            metavar="[SCENE]...",
+            help="Scenes (.yaml), finished runs (.npz), or emotions.",
+            show_default=False,
+            autocompletion=completion.runs,
         ),
     ] = None,
     every: Annotated[bool, typer.Option("--all", "-a", help="All six emotions.")] = False,
     gate: Annotated[
         bool, typer.Option("--gate", help="Hold the paper's claims against all six; exit with 1 where one fails.")
     ] = False,
+    platform: Platform = None,
     assignments: Set = None,
     seed: Seed = None,
     output: Annotated[
@@ -44,16 +49,18 @@ def measure(
     Examples: emovid measure --all --gate · emovid measure my.yaml fear -o measure.csv · emovid measure fear.npz --json
     """
     from emovid.cli.progress import listing
-    from emovid.measure.claims import judge
+    from emovid.measure.claims import excepted, judge
     from emovid.measure.describe import DESCRIPTORS
     from emovid.measure.evidence import evidence
     from emovid.scene.emotions import EMOTIONS
 
+    every = every or (gate and not sources)
     if every == bool(sources):
         raise InputError("expected scenes to measure, or --all")
     if output and (output.suffix.lower() != ".csv" or output.is_dir()):
         raise InputError(f"-o {output}: expected a file ending in .csv")
-    chosen = list(EMOTIONS) if every else list(dict.fromkeys(sources or []))
+    named = list(EMOTIONS) if every else list(dict.fromkeys(sources or []))
+    chosen = [on_platform(source, platform) for source in named]
     runs = [_run_of(source, settings(assignments, seed)) for source in chosen]
     emotions = [run.scene.emotion for run in runs]
     if gate and sorted(map(str, emotions)) != sorted(EMOTIONS):
@@ -64,15 +71,17 @@ def measure(
             measured[source] = evidence(run.trajectory())
             done(source)
     of_emotion = dict(zip(map(str, emotions), measured.values(), strict=True))
-    verdicts = judge({name: of_emotion[name] for name in EMOTIONS}) if gate else []
+    motors = all(run.scene.robot.limits for run in runs)
+    verdicts = judge({name: of_emotion[name] for name in EMOTIONS}, motors=motors) if gate else []
+    without_anger = excepted(motors=motors)
     scenes = {source: {name: values[name] for name in DESCRIPTORS} for source, values in measured.items()}
     if output:
         _write_csv(scenes, output)
     if as_json:
-        _print_json(scenes, verdicts)
+        _print_json(scenes, verdicts, without_anger)
     elif not quiet:
         _show(scenes)
-        _show_verdicts(verdicts)
+        _show_verdicts(verdicts, without_anger)
     if not all(verdict.holds for verdict in verdicts):
         raise typer.Exit(1)
 
@@ -112,7 +121,9 @@ def _write_csv(scenes: Mapping[str, Mapping[str, float]], target: Path) -> None:
         file.write(text.getvalue().encode())
 
 
-def _print_json(scenes: Mapping[str, Mapping[str, float]], verdicts: "Sequence[Verdict]") -> None:
+def _print_json(
+    scenes: Mapping[str, Mapping[str, float]], verdicts: "Sequence[Verdict]", without_anger: Mapping[str, str]
+) -> None:
     from dataclasses import asdict
 
     from emovid.measure.claims import NOT_APPLIED
@@ -120,6 +131,7 @@ def _print_json(scenes: Mapping[str, Mapping[str, float]], verdicts: "Sequence[V
     found: dict[str, Any] = {"scenes": scenes, "claims": list(map(asdict, verdicts))}
     if verdicts:
         found["not_applied"] = [{"claim": claim, "source": source} for claim, source in NOT_APPLIED.items()]
+        found["without_anger"] = [{"claim": claim, "source": source} for claim, source in without_anger.items()]
     typer.echo(json.dumps(_finite(found), indent=2, allow_nan=False))
 
 
@@ -156,7 +168,7 @@ def _number(value: float) -> str:
     return "" if isnan(value) else "0" if abs(value) < 1e-12 else f"{value:.3g}"
 
 
-def _show_verdicts(verdicts: "Sequence[Verdict]") -> None:
+def _show_verdicts(verdicts: "Sequence[Verdict]", without_anger: Mapping[str, str]) -> None:
     """Print each claim with its source, the numbers that decide it and the verdict, and a line that sums up."""
     from emovid.measure.claims import NOT_APPLIED
 
@@ -166,5 +178,7 @@ def _show_verdicts(verdicts: "Sequence[Verdict]") -> None:
         typer.echo(f"{'holds' if verdict.holds else 'FAILS'}  {verdict.claim} ({verdict.source}): {verdict.relation}")
     for claim, source in NOT_APPLIED.items():
         typer.echo(f"not applied by the paper  {claim} ({source})")
+    for claim, source in without_anger.items():
+        typer.echo(f"not held against anger  {claim} ({source})")
     failed = sum(not verdict.holds for verdict in verdicts)
     typer.echo(f"{len(verdicts) - failed} of {len(verdicts)} claims hold")

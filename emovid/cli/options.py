@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from emovid.cli import completion
 from emovid.errors import InputError, nearest
 
 if TYPE_CHECKING:
@@ -13,10 +14,26 @@ if TYPE_CHECKING:
 
 Source = Annotated[
     str | None,
-    typer.Argument(metavar="[SCENE]", help="A scene file (.yaml), or the name of an emotion.", show_default=False),
+    typer.Argument(
+        metavar="[SCENE]",
+        help="A scene file (.yaml), or the name of an emotion.",
+        show_default=False,
+        autocompletion=completion.scenes,
+    ),
+]
+Scene = Annotated[
+    str,
+    typer.Argument(metavar="SCENE", help="A scene file, or the name of an emotion.", autocompletion=completion.scenes),
 ]
 Emotion = Annotated[
-    str | None, typer.Option("--emotion", "-e", help="One of the six shipped scenes.", show_default=False)
+    str | None,
+    typer.Option(
+        "--emotion",
+        "-e",
+        help="One of the six shipped scenes.",
+        show_default=False,
+        autocompletion=completion.emotions,
+    ),
 ]
 Set = Annotated[
     list[str] | None,
@@ -25,6 +42,27 @@ Set = Annotated[
     ),
 ]
 Seed = Annotated[int | None, typer.Option("--seed", help="Replace the scene's seed.", show_default=False)]
+Jobs = Annotated[
+    int | None, typer.Option("--jobs", "-j", min=1, help="How many are made at once.", show_default="one a core")
+]
+View = Annotated[
+    str | None,
+    typer.Option(
+        help="overhead or perspective.",
+        show_default=False,
+        autocompletion=completion.words("overhead", "perspective"),
+    ),
+]
+Platform = Annotated[
+    str | None,
+    typer.Option(
+        "--platform",
+        "-p",
+        help="Scenes for a testbed: robotarium or robotarium-today.",
+        show_default="simulation",
+        autocompletion=completion.words("robotarium", "robotarium-today"),
+    ),
+]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
 Force = Annotated[bool, typer.Option("--force", "-f", help="Make it again, whatever is there.")]
@@ -47,6 +85,28 @@ def check_emotion(emotion: str) -> None:
 
     if emotion not in EMOTIONS:
         raise InputError(f"--emotion {emotion}: expected one of {', '.join(EMOTIONS)}{nearest(emotion, EMOTIONS)}")
+
+
+def checked_platform(platform: str) -> str:
+    """Return the platform, or raise an `InputError` for one that is none of ours."""
+    from emovid.scene.emotions import PLATFORMS
+
+    if platform not in PLATFORMS:
+        expected = f"expected {' or '.join(PLATFORMS)}{nearest(platform, PLATFORMS)}"
+        raise InputError(f"--platform {platform}: {expected}")
+    return platform
+
+
+def on_platform(source: str, platform: str | None) -> str:
+    """Return the name of an emotion's scene for a platform; without a platform, the source as it is."""
+    from emovid.scene.emotions import EMOTIONS
+
+    if platform is None:
+        return source
+    checked_platform(platform)
+    if source not in EMOTIONS:
+        raise InputError(f"--platform {platform}: {source} is no emotion; expected one of {', '.join(EMOTIONS)}")
+    return f"{platform}/{source}"
 
 
 def settings(

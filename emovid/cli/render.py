@@ -8,8 +8,24 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from emovid.cli.options import Emotion, Force, Json, Quiet, Seed, Set, one_source, output_file, settings
-from emovid.errors import EmovidError, InputError
+from emovid.cli import completion
+from emovid.cli.failures import raise_failures
+from emovid.cli.options import (
+    Emotion,
+    Force,
+    Jobs,
+    Json,
+    Platform,
+    Quiet,
+    Seed,
+    Set,
+    View,
+    on_platform,
+    one_source,
+    output_file,
+    settings,
+)
+from emovid.errors import InputError
 
 if TYPE_CHECKING:
     from emovid.batch.job import Job
@@ -31,7 +47,10 @@ def render(
     source: Annotated[
         str | None,
         typer.Argument(
-            metavar="[SCENE]", help="A scene (.yaml), a finished run (.npz), or an emotion.", show_default=False
+            metavar="[SCENE]",
+            help="A scene (.yaml), a finished run (.npz), or an emotion.",
+            show_default=False,
+            autocompletion=completion.runs,
         ),
     ] = None,
     emotion: Emotion = None,
@@ -40,6 +59,7 @@ def render(
     ] = False,
     output: Output = None,
     assignments: Set = None,
+    platform: Platform = None,
     seed: Seed = None,
     size: Annotated[
         str | None, typer.Option(metavar="WxH", help="Pixels, as in 1920x1080.", show_default=False)
@@ -47,16 +67,27 @@ def render(
     fps: Annotated[int | None, typer.Option(help="Frames per second; the motion stays.", show_default=False)] = None,
     format: Annotated[
         str | None,
-        typer.Option(help="mp4, webm, gif, or png-sequence: a folder of pictures.", show_default="as -o ends, or mp4"),
+        typer.Option(
+            help="mp4, webm, gif, or png-sequence: a folder of pictures.",
+            show_default="as -o ends, or mp4",
+            autocompletion=completion.words("mp4", "webm", "gif", "png-sequence"),
+        ),
     ] = None,
-    theme: Annotated[str | None, typer.Option(help="light or dark.", show_default=False)] = None,
+    theme: Annotated[
+        str | None,
+        typer.Option(help="light or dark.", show_default=False, autocompletion=completion.words("light", "dark")),
+    ] = None,
+    view: View = None,
     overlays: Annotated[
         list[str] | None,
-        typer.Option("--overlay", help="Also show density, cells, targets or clock.", show_default=False),
+        typer.Option(
+            "--overlay",
+            help="Also show density, cells, targets or clock.",
+            show_default=False,
+            autocompletion=completion.words("density", "cells", "targets", "clock"),
+        ),
     ] = None,
-    jobs: Annotated[
-        int | None, typer.Option("--jobs", "-j", min=1, help="Videos made at once.", show_default="one a core")
-    ] = None,
+    jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,
     as_json: Json = False,
@@ -71,7 +102,7 @@ def render(
     from emovid.scene.emotions import EMOTIONS
     from emovid.scene.load import Setting
 
-    look = {"size": size, "fps": fps, "format": format or _format_of(output), "theme": theme}
+    look = {"size": size, "fps": fps, "format": format or _format_of(output), "theme": theme, "view": view}
     overrides = [
         *settings(assignments, seed, look),
         *(Setting(f"video.overlays.{overlay}", True, f"--overlay {overlay}") for overlay in overlays or ()),
@@ -79,18 +110,17 @@ def render(
     if every:
         if source or emotion:
             raise InputError("--all means the six emotions: no scene goes with it")
-        work = [_job(name, output, overrides) for name in EMOTIONS]
+        work = [_job(on_platform(name, platform), output, overrides) for name in EMOTIONS]
         if len({job.target for job in work}) < len(work):
             raise InputError(f"-o {output}: is one file; expected a folder for six videos")
     else:
-        work = [_job(one_source(source, emotion), output, overrides)]
+        work = [_job(on_platform(one_source(source, emotion), platform), output, overrides)]
     with reporter(len(work), quiet=quiet or as_json) as report:
         known = {} if force else done_before(work, report)
         missing = [job for job in work if job.target not in known]
         with workers(min(jobs or os.cpu_count() or 1, len(missing)), report.advanced) as pool:
             made = make_missing(missing, report, pool)
-        if failures := list(made.failures.values()):
-            raise failures[0] if len(failures) == 1 else EmovidError("; ".join(map(str, failures)))
+    raise_failures(made.failures.values(), len(work), "videos")
     if every:
         names = {str(job.scene.emotion): job.target.name for job in work}
         write_presentation_order(work[0].target.parent, names, seed or 0)
@@ -102,7 +132,7 @@ def render(
 def _job(source: str, output: Path | None, overrides: "Sequence[Setting]") -> "Job":
     """Return the job for a scene or a run. All that can be wrong with it is found here, before anything is written."""
     from emovid.batch.job import Job
-    from emovid.scene.load import find_scene, load_scene
+    from emovid.scene.load import find_scene, load_scene, shipped_names
     from emovid.swarm.files import load_trajectory
     from emovid.swarm.simulate import check_start
 
@@ -110,8 +140,10 @@ def _job(source: str, output: Path | None, overrides: "Sequence[Setting]") -> "J
     scene = run.scene if run else load_scene(source, overrides)
     if run is None:
         check_start(scene)
-    stem = Path(source).stem if run else find_scene(source).stem
-    return Job(scene, _target(output, stem, scene.video.format), run)
+    name = Path(source) if run else find_scene(source)
+    if output is None and source in shipped_names():  # those of a platform beside the study's, not in their place
+        output = Path(FOLDER) / Path(source).parent
+    return Job(scene, _target(output, name.stem, scene.video.format), run)
 
 
 def _format_of(output: Path | None) -> "FormatName | None":

@@ -6,41 +6,82 @@ from typing import Annotated
 
 import typer
 
-from emovid.cli.options import Force, Json, Seed, Set, settings
+from emovid.cli import completion
+from emovid.cli.options import Force, Json, Platform, Quiet, Scene, Seed, Set, on_platform, settings
+from emovid.cli.scene_diff import diff
 from emovid.errors import InputError
 
 app = typer.Typer(help="List, show, check and make scenes.", no_args_is_help=True)
 
-Scene = Annotated[str, typer.Argument(metavar="SCENE", help="A scene file, or the name of an emotion.")]
-
 
 @app.command("list")
-def list_scenes(as_json: Json = False) -> None:
-    """List the shipped scenes."""
+def list_scenes(platform: Platform = None, as_json: Json = False) -> None:
+    """List the shipped scenes.
+
+    Example: emovid scene list
+    """
     from emovid.scene.emotions import EMOTIONS
 
     rows = [
-        {"emotion": e.name, "behaviour": e.behaviour, "control": e.control, "video": e.video} for e in EMOTIONS.values()
+        {
+            "emotion": on_platform(e.name, platform),
+            "behaviour": e.behaviour,
+            "control": e.control,
+            "video": e.video,
+        }
+        for e in EMOTIONS.values()
     ]
     if as_json:
         typer.echo(json.dumps(rows, indent=2))
         return
+    width = 2 + max(len(row["emotion"]) for row in rows)
     for row in rows:
-        typer.echo(f"{row['emotion']:<11}{row['behaviour']:<24}{row['control']:<19}{row['video']}")
+        typer.echo(f"{row['emotion']:<{width}}{row['behaviour']:<24}{row['control']:<19}{row['video']}")
 
 
 @app.command()
-def show(scene: Scene, as_json: Annotated[bool, typer.Option("--json", help="Every key, as JSON.")] = False) -> None:
-    """Show a scene: its file, which explains every key."""
+def robots(as_json: Json = False) -> None:
+    """List the robots that `robot.model` can name; a file of your own is another.
+
+    Example: emovid scene robots
+    """
+    from emovid.scene.robot_files import load_robot, shipped_robots
+
+    bodies = [load_robot(name) for name in shipped_robots()]
+    if as_json:
+        typer.echo(json.dumps([body.model_dump() for body in bodies], indent=2))
+        return
+    units = {"v_max": "m/s", "omega_max": "rad/s", "wheel_max": "m/s a wheel"}
+    for body in bodies:
+        limits = body.limits.model_dump(exclude_none=True) if body.limits else {}
+        size = "{:g} x {:g} mm".format(*(1000 * side for side in body.shape.box))
+        most = ", ".join(f"{value:.3g} {units[name]}" for name, value in limits.items()) or "no limits"
+        typer.echo(f"{body.name:<19}{body.kinematics:<19}{size:<16}{most}")
+
+
+@app.command()
+def show(
+    scene: Scene,
+    platform: Platform = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Every key, as JSON.")] = False,
+) -> None:
+    """Show a scene: its file, which explains every key.
+
+    Examples: emovid scene show anger · emovid scene show my.yaml --json
+    """
     from emovid.scene.load import find_scene, load_scene
 
+    scene = on_platform(scene, platform)
     resolved = load_scene(scene).resolved()
     typer.echo(json.dumps(resolved, indent=2) if as_json else find_scene(scene).read_text(encoding="utf-8"), nl=as_json)
 
 
 @app.command()
 def check(scene: Scene, assignments: Set = None, seed: Seed = None, as_json: Json = False) -> None:
-    """Check a scene: read it, run it, and say how close to the edge and to each other the robots come."""
+    """Check a scene: read it, run it, and say how close to the edge and to each other the robots come.
+
+    Examples: emovid scene check my.yaml · emovid scene check anger --set robots=20 --seed 3
+    """
     from dataclasses import asdict
 
     from emovid.scene.load import load_scene, scene_digest
@@ -55,7 +96,7 @@ def check(scene: Scene, assignments: Set = None, seed: Seed = None, as_json: Jso
     distance = "one robot" if found.body_distance is None else f"{1000 * found.body_distance:.1f} mm"
     typer.echo(f"{scene}: valid")
     for what, value in (
-        ("robots", f"{checked.robots} x {checked.robot.model}, {checked.duration:g} s, {checked.frames} frames"),
+        ("robots", f"{checked.robots} x {checked.robot.body.name}, {checked.duration:g} s, {checked.frames} frames"),
         ("speed", f"{found.mean_speed:.3f} m/s mean, {found.peak_speed:.3f} m/s peak"),
         ("smallest distance between bodies", distance + (" (they overlap)" if (found.body_distance or 0) < 0 else "")),
         ("periods cut at the stage's edge", f"{found.stage_cut_share:.2%}"),
@@ -67,13 +108,21 @@ def check(scene: Scene, assignments: Set = None, seed: Seed = None, as_json: Jso
 @app.command()
 def new(
     file: Annotated[Path, typer.Argument(help="The file to write.")],
-    source: Annotated[str, typer.Option("--from", help="The scene to start from.")] = "happiness",
+    source: Annotated[
+        str, typer.Option("--from", help="The scene to start from.", autocompletion=completion.scenes)
+    ] = "happiness",
+    platform: Platform = None,
     force: Force = False,
+    quiet: Quiet = False,
 ) -> None:
-    """Start a new scene from a copy of another, comments and all."""
+    """Start a new scene from a copy of another, comments and all.
+
+    Example: emovid scene new my.yaml --from anger
+    """
     from emovid.scene.load import find_scene, load_scene
     from emovid.whole_files import make_folder, writing
 
+    source = on_platform(source, platform)
     load_scene(source)
     if file.exists() and not force:
         raise InputError(f"{file}: exists; --force replaces it")
@@ -81,12 +130,19 @@ def new(
     make_folder(file.parent)
     with writing(file) as target:
         target.write(text)
-    typer.echo(f"{file}: a copy of {source}; check it with emovid scene check {file}", err=True)
+    if not quiet:
+        typer.echo(f"{file}: a copy of {source}; check it with emovid scene check {file}", err=True)
 
 
 @app.command()
 def schema() -> None:
-    """Print the JSON Schema of scenes, for completion and hover help in editors."""
+    """Print the JSON Schema of scenes, for completion and hover help in editors.
+
+    Example: emovid scene schema > emovid.schema.json
+    """
     from emovid.scene.schema import scene_schema
 
     typer.echo(json.dumps(scene_schema(), indent=2))
+
+
+app.command()(diff)

@@ -6,12 +6,25 @@ from typing import Annotated
 
 import typer
 
-from emovid.cli.options import Emotion, Json, Quiet, Seed, Set, Source, one_source, output_file, settings
+from emovid.cli.options import (
+    Emotion,
+    Json,
+    Platform,
+    Quiet,
+    Seed,
+    Set,
+    Source,
+    on_platform,
+    one_source,
+    output_file,
+    settings,
+)
 
 
 def simulate(
     source: Source = None,
     emotion: Emotion = None,
+    platform: Platform = None,
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", help="A file ending in .npz or .csv, or a folder.", show_default="SCENE.npz"),
@@ -32,7 +45,7 @@ def simulate(
     from emovid.swarm.simulate import simulate as run
     from emovid.whole_files import make_folder
 
-    chosen = one_source(source, emotion)
+    chosen = on_platform(one_source(source, emotion), platform)
     scene = load_scene(chosen, settings(assignments, seed))
     target = output_file(
         output,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from emovid.cli.options import Json
+from emovid.cli.options import Jobs, Json
 from emovid.errors import EmovidError
 
 if TYPE_CHECKING:
@@ -36,9 +36,7 @@ def verify(
     again: Annotated[
         bool, typer.Option("--rebuild", help="Make all again, apart, and name the stage that differs.")
     ] = False,
-    jobs: Annotated[
-        int | None, typer.Option("--jobs", "-j", min=1, help="Made at once.", show_default="one a core")
-    ] = None,
+    jobs: Jobs = None,
     as_json: Json = False,
 ) -> None:
     """Recompute the hashes of all files that a folder's manifest records; exit with 1 if any differs.

@@ -7,14 +7,18 @@ from typing import Annotated
 
 import typer
 
-from emovid.cli.options import Force, Json, Quiet
-from emovid.errors import EmovidError, InputError
+from emovid.cli.failures import raise_failures
+from emovid.cli.options import Force, Jobs, Json, Quiet
+from emovid.errors import InputError
 
 FOLDER = "sweeps"
 
 
 def sweep(
-    file: Annotated[Path, typer.Argument(metavar="SWEEP", help="A sweep.yaml, or the plan.json of another run.")],
+    file: Annotated[
+        Path,
+        typer.Argument(metavar="SWEEP", help="A sweep.yaml, the plan.json of another run, or look_ahead_and_gain."),
+    ],
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", help="A folder, made if missing.", show_default=f"{FOLDER}/NAME"),
@@ -23,9 +27,7 @@ def sweep(
         str | None,
         typer.Option(help="video, trajectory or measure: what is made of each item.", show_default="as the sweep says"),
     ] = None,
-    jobs: Annotated[
-        int | None, typer.Option("--jobs", "-j", min=1, help="Items made at once.", show_default="one a core")
-    ] = None,
+    jobs: Jobs = None,
     scheduler: Annotated[
         str | None,
         typer.Option(metavar="ADDRESS", help="Of a Dask cluster, as tcp://127.0.0.1:8786.", show_default=False),
@@ -44,11 +46,11 @@ def sweep(
     from emovid.batch.make import done_before, make_missing, workers
     from emovid.batch.results import write_plan, write_summary
     from emovid.batch.sweep import items, shard_of
-    from emovid.batch.sweep_file import read_sweep_file
+    from emovid.batch.sweep_file import find_sweep, read_sweep_file
     from emovid.cli.progress import reporter
     from emovid.swarm.simulate import check_start
 
-    plan = read_sweep_file(file, only)
+    plan = read_sweep_file(find_sweep(file), only)
     every = items(plan)
     number, count = shard_of(shard) if shard else (1, 1)
     folder = output or Path(FOLDER) / file.stem
@@ -65,13 +67,10 @@ def sweep(
             write_plan(folder, plan)
             made = make_missing(missing, report, pool)
     done = write_summary(folder, plan, every, processes)
-    for failure in made.failures.values():
-        typer.echo(str(failure), err=True)
     if as_json:
         failed = {target.name: str(failure) for target, failure in made.failures.items()}
         counts = {"items": len(every), "made": len(made.records), "up_to_date": len(known)}
         typer.echo(json.dumps({"folder": str(folder)} | counts | {"failed": failed}, indent=2))
     elif not quiet:
         typer.echo(f"{folder / 'results.csv'}: {done} of {len(every)} items", err=True)
-    if made.failures:
-        raise EmovidError(f"{len(made.failures)} of {len(work)} items failed: run again to make what is missing")
+    raise_failures(made.failures.values(), len(work))

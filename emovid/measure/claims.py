@@ -6,7 +6,7 @@ The factors and bounds are ours; the shipped scenes pass with a margin on each o
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isnan, pi
 
 from emovid.scene.emotions import EMOTIONS
@@ -46,6 +46,7 @@ class Claim:
         source: where the paper says it.
         more, less: a number of some emotions, or a bound in its unit.
         factor: 1 against a bound.
+        peaks: whether it lives on the peaks of anger's speed, which the motors of a robot cut.
     """
 
     text: str
@@ -53,6 +54,19 @@ class Claim:
     more: Quantity | float
     less: Quantity | float
     factor: float = 1.0
+    peaks: bool = False
+
+    def without_anger(self) -> "Claim | None":
+        """Return what is left of it without anger's numbers; None if nothing is."""
+        sides = []
+        for side in (self.more, self.less):
+            rest = side
+            if isinstance(side, Quantity):
+                rest = replace(side, emotions=tuple(name for name in side.emotions if name != "anger"))
+                if not rest.emotions:
+                    return None
+            sides.append(rest)
+        return replace(self, more=sides[0], less=sides[1])
 
 
 @dataclass(frozen=True)
@@ -104,6 +118,7 @@ CLAIMS = (
         _only("speed_peak", "anger"),
         Quantity("speed_peak", tuple(name for name in EMOTIONS if name != "anger")),
         1.5,
+        peaks=True,
     ),
     Claim(
         "in any second of its video anger is faster than fear, disgust and sadness in any of theirs",
@@ -166,6 +181,7 @@ CLAIMS = (
         Quantity("sparc", ("anger",), negated=True),
         Quantity("sparc", tuple(name for name in EMOTIONS if name != "anger"), negated=True),
         1.1,
+        peaks=True,
     ),
     Claim(
         "happiness, surprise and sadness are smoother than the others (spectral arc length)",
@@ -173,6 +189,7 @@ CLAIMS = (
         Quantity("sparc", ANGULAR, negated=True),
         Quantity("sparc", SMOOTH, negated=True),
         1.1,
+        peaks=True,
     ),
     Claim(
         "anger overshoots the places it heads for in more than a fifth of its periods",
@@ -278,8 +295,8 @@ CLAIMS = (
     Claim(
         "disgust ends near the boundary: nearer on average than a seventh of the stage's smaller side",
         "Sec. IV-A, Fig. 7",
-        0.8 / 7,
-        _only("distance_to_boundary_end", "disgust"),
+        1 / 7,
+        _only("boundary_share", "disgust"),
     ),
     Claim(
         "disgust ends nearer to the boundary than fear",
@@ -324,16 +341,35 @@ NOT_APPLIED = {
 }
 
 
-def judge(measured: Measured) -> list[Verdict]:
+# Sec. V: on the robots, the largest difference is in anger, since actuator limits and safety rule out the very high
+# peak velocities of its simulation, yet it keeps its characteristic features. So for robots with motors anger is left
+# out of the claims that live on peaks, and of nothing else. One is of spectral arc length: that of a speed profile.
+EXCEPTION = "anger's peaks of speed are cut by the motors: Sec. V"
+
+
+def claims_on(*, motors: bool) -> tuple[Claim, ...]:
+    """Return the claims that are held against scenes; for robots with motors, with the paper's exception."""
+    if not motors:
+        return CLAIMS
+    return tuple(kept for claim in CLAIMS if (kept := claim.without_anger() if claim.peaks else claim))
+
+
+def excepted(*, motors: bool) -> dict[str, str]:
+    """Return the claims that robots with motors need not fulfil for anger, with the source of the exception."""
+    return {claim.text: EXCEPTION for claim in CLAIMS if claim.peaks} if motors else {}
+
+
+def judge(measured: Measured, *, motors: bool = False) -> list[Verdict]:
     """Return the verdicts on all claims.
 
     Args:
         measured: the `evidence` of each of the six emotions.
+        motors: whether the robots have actuator limits, for which the paper makes an exception.
 
     Raises:
         KeyError: if an emotion is missing.
     """
-    return [_verdict(claim, measured) for claim in CLAIMS]
+    return [_verdict(claim, measured) for claim in claims_on(motors=motors)]
 
 
 def _verdict(claim: Claim, measured: Measured) -> Verdict:

@@ -91,12 +91,14 @@ def lloyd(points: Array, corners: Array, density: Density, least: float) -> Arra
 
 def past_centroids(window: Window, corners: Array, density: Density) -> Array:
     """Return how far [m] robots get past the centroids they head for, (periods, N), negative if they stay short."""
-    trajectory, ends = window.trajectory, window.trajectory.t
+    trajectory, held = window.trajectory, window.trajectory.scene.steps_held
+    samples = np.arange(0, len(trajectory.t), held)  # a barrier's own steps are parts of a control period
+    ends = trajectory.t[samples]
     whole = np.flatnonzero((ends[:-1] >= window.start - 1e-9) & (ends[1:] <= window.end + 1e-9))
     evenly = np.linspace(0, len(whole) - 1, min(len(whole), _MOST_PERIODS)).round().astype(int)
     past = []
     for period in whole[evenly]:
-        before, after = trajectory.poses[period : period + 2, :, :2]
+        before, after = trajectory.poses[samples[period : period + 2], :, :2]
         _, centroid = mass_and_centroid(before, corners, density)
         ahead = centroid - before
         distance = np.hypot(ahead[:, 0], ahead[:, 1])

@@ -14,10 +14,11 @@ def evidence(trajectory: Trajectory) -> dict[str, float]:
     `slowest_second` and `fastest_second`: least and largest mean speed of the swarm in any second of the whole run
     [m/s]. `neighbour_gain`: nearest_neighbour_end over _start. `centre_gain`: distance_to_centre_end over _start.
     `size_gain`: radius_of_gyration_end over _start. `circumference_share`: distance_travelled over the circumference of
-    a circle of the mean radius of gyration.
+    a circle of the mean radius of gyration. `boundary_share`: distance_to_boundary_end over the stage's smaller side.
     """
     found = describe(trajectory)
     slowest, fastest = speeds_in_a_second(trajectory)
+    left, bottom, right, top = trajectory.scene.stage.box
     return {
         **found,
         "slowest_second": slowest,
@@ -26,6 +27,7 @@ def evidence(trajectory: Trajectory) -> dict[str, float]:
         "centre_gain": found["distance_to_centre_end"] / found["distance_to_centre_start"],
         "size_gain": found["radius_of_gyration_end"] / found["radius_of_gyration_start"],
         "circumference_share": found["distance_travelled"] / (2 * np.pi * found["radius_of_gyration_mean"]),
+        "boundary_share": found["distance_to_boundary_end"] / min(right - left, top - bottom),
     }
 
 

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from emovid.errors import InputError
-from emovid.scene.emotions import EMOTIONS
 from emovid.swarm.arrays import Array
 from emovid.swarm.trajectory import Trajectory
 
@@ -68,13 +67,13 @@ class Window:
 
 
 def window_of(trajectory: Trajectory, start: float = 0.0, end: float | None = None) -> Window:
-    """Return the window; without an `end`, to the last snapshot of the scene's emotion or else of the run [s].
+    """Return the window; without an `end`, to the scene's last snapshot or else the end of its run [s].
 
     Raises:
         InputError: if it is empty or not within the run.
     """
     last = float(trajectory.t[-1])
-    emotion = trajectory.scene.emotion
     if end is None:
-        end = last if emotion is None else min(EMOTIONS[emotion].snapshot_times[-1], last)
+        times = trajectory.scene.snapshot_times
+        end = min(times[-1], last) if times else last
     return Window(trajectory, start, end)

@@ -30,6 +30,22 @@ class Keys:
     text: str
 
 
+def pages() -> list[Path]:
+    """Return the README and the pages of the documentation."""
+    return [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
+
+
+def mentioned(page: Path) -> list[str]:
+    """Return the commands that a page names within its text or a table."""
+    return re.findall(r"`(emovid [^`]*)`", page.read_text().replace("\n", " "))
+
+
+def in_tables(page: Path) -> list[str]:
+    """Return the commands in the cells of a page's tables."""
+    rows = re.findall(r"^\|.*\|$", page.read_text(), re.MULTILINE)
+    return [command for row in rows for command in re.findall(r"`(emovid [^`]*)`", row)]
+
+
 def steps(page: Path) -> Iterator[Command | Keys]:
     """Yield what a reader of the page does, in order."""
     for block in _BLOCKS.finditer(page.read_text()):

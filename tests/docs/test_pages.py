@@ -11,7 +11,10 @@ from typing import Any
 import exports
 import pytest
 import yaml
-from pages import DOCS, ROOT, Command, Keys, agrees, steps
+from pages import DOCS, ROOT, Command, Keys, agrees, in_tables, mentioned, pages, steps
+from typer.main import get_command
+
+from emovid.cli.main import app
 
 ENV = {
     **os.environ,
@@ -39,10 +42,6 @@ EXAMPLES = {
 }
 
 
-def pages() -> list[Path]:
-    return sorted(page for page in DOCS.rglob("*.md") if any(isinstance(step, Command) for step in steps(page)))
-
-
 def small(source: Path) -> str:
     """Return a scene's or a study's file with a video that is made at once."""
     text = source.read_text()
@@ -53,6 +52,7 @@ def small(source: Path) -> str:
 
 def given(page: Path, folder: Path) -> None:
     """Put into the folder what a reader of the page has."""
+    (folder / "responses.csv").write_bytes(REFERENCE.read_bytes())
     if page.parent.name == "analyse":
         export = EXAMPLES[page.stem]()
         (folder / "key.csv").write_text(exports.KEY)
@@ -70,8 +70,7 @@ def given(page: Path, folder: Path) -> None:
     (folder / "studies" / "example").mkdir(parents=True)
     study = small(ROOT / "studies" / "example" / "study.yaml").replace("duration: 15", "duration: 3")
     (folder / "studies" / "example" / "study.yaml").write_text(study)
-    (folder / "responses.csv").write_bytes(REFERENCE.read_bytes())
-    if "videos/" in page.read_text():
+    if page.name != "README.md" and "videos/" in page.read_text():
         run("emovid render --all --size 320x180 --fps 5 --set duration=2 --quiet", folder)
 
 
@@ -114,20 +113,58 @@ def merged(old: dict[str, Any], new: dict[str, Any]) -> dict[str, Any]:
     return result
 
 
-@pytest.mark.parametrize("page", pages(), ids=lambda page: str(page.relative_to(DOCS)))
-def test_the_commands_of_a_page_do_what_it_says(page, tmp_path) -> None:
-    given(page, tmp_path)
+def follow(page: Path, folder: Path) -> None:
+    """Do what a page says, in a folder with what its reader has."""
+    given(page, folder)
     for step in steps(page):
         if isinstance(step, Keys):
-            write(step, tmp_path)
+            write(step, folder)
             continue
-        done = run(step.line, tmp_path)
+        done = run(step.line, folder)
         said = done.stdout + done.stderr
         if step.printed is None:
             assert done.returncode == 0, f"{step.line}\n{said}"
         else:
             assert agrees(said, step.printed), f"{step.line}\n{said}"
             assert "Traceback" not in said
+
+
+WITH_COMMANDS = [page for page in pages() if any(isinstance(step, Command) for step in steps(page))]
+
+
+@pytest.mark.parametrize("page", WITH_COMMANDS[1:], ids=lambda page: str(page.relative_to(DOCS)))
+def test_the_commands_of_a_page_do_what_it_says(page, tmp_path) -> None:
+    follow(page, tmp_path)
+
+
+def test_the_commands_of_the_readme_do_what_it_says(tmp_path) -> None:
+    page = ROOT / "README.md"
+    follow(page, tmp_path)
+    made = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.*")}
+    assert {"videos/anger.mp4", "videos/manifest.json", "fear.webm", "out/surprise.mp4"} <= made
+    assert {"curious.yaml", "previews/curious.gif", "kit/public/manifest.json", "kit/private/key.csv"} <= made
+    assert {"figures/densities.pdf", "figures/curious-frames.png", "figures/anger-frames.pdf"} <= made
+    assert {"results/report.html", "results/results.json", "results/confusion_matrix.tex"} <= made
+    for line in in_tables(page):
+        done = run(line, tmp_path)
+        assert done.returncode == (1 if " diff " in line else 0), f"{line}\n{done.stdout}{done.stderr}"
+
+
+@pytest.mark.parametrize("page", pages(), ids=lambda page: str(page.relative_to(ROOT)))
+def test_a_command_that_is_named_in_passing_exists_with_its_options(page) -> None:
+    for line in mentioned(page):
+        words = shlex.split(line.replace("...", "x"))[1:]
+        command = get_command(app)
+        while hasattr(command, "commands"):
+            if not words or not words[0].isalpha():
+                break
+            assert words[0] in command.commands or words[0].isupper(), line
+            if words[0].isupper():
+                break
+            command = command.commands[words.pop(0)]
+        known = {name for option in command.params for name in option.opts}
+        given_options = {word.split("=")[0] for word in words if word.startswith("-")}
+        assert given_options <= known | {"--help", "--install-completion", "--show-completion"}, line
 
 
 def test_every_tool_has_a_page_and_every_page_an_export() -> None:

@@ -108,6 +108,18 @@ def test_a_scene_beside_the_study_is_found_from_it(tmp_path, monkeypatch) -> Non
     assert item.scene.robots == 6
 
 
+def test_the_view_can_be_a_factor(tmp_path) -> None:
+    factors = (
+        "factors:\n  view:\n    above: {video.view: overhead}\n    side: {video.view: perspective}\nset: {robots: 6}"
+    )
+    items = load_study(write_study(tmp_path, changed(("set: {robots: 6}", factors)))).exemplars
+    assert {(item.factors["view"], item.scene.video.view) for item in items} == {
+        ("above", "overhead"),
+        ("side", "perspective"),
+    }
+    assert len(items) == 12
+
+
 def test_exemplars_and_factors_multiply_the_scenes(tmp_path) -> None:
     factors = "factors:\n  swarm:\n    few: {robots: 4}\n    many: {robots: 8}\nexemplars: 3\nset: {}"
     loaded = load_study(write_study(tmp_path, changed(("set: {robots: 6}", factors))))

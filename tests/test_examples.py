@@ -1,0 +1,42 @@
+"""The examples in docs/examples: each runs, in an empty folder, and does what its first line says."""
+
+import runpy
+from pathlib import Path
+
+import pytest
+
+import emovid
+from emovid.cli.main import main
+
+EXAMPLES = sorted((Path(__file__).parent.parent / "docs" / "examples").glob("*.py"))
+MADE = {"render_an_emotion": ["anger.mp4"], "own_density": ["two_crowds.mp4"]}
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=[path.stem for path in EXAMPLES])
+def test_an_example_runs_as_it_stands(example, tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    given = []
+    if "responses.csv" in example.read_text():
+        assert main(["study", "simulate", "-o", "responses.csv"]) == 0
+        given = ["responses.csv"]
+    capsys.readouterr()
+    runpy.run_path(str(example), run_name="__main__")
+    assert bool(capsys.readouterr().out) == (example.stem != "show_in_a_notebook")
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(given + MADE.get(example.stem, []))
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=[path.stem for path in EXAMPLES])
+def test_an_example_is_short_and_says_what_it_is(example) -> None:
+    lines = example.read_text().splitlines()
+    assert len(lines) < 30
+    assert lines[0].startswith('"""')
+
+
+def test_every_public_name_is_used_by_an_example_and_can_be_imported() -> None:
+    texts = "".join(path.read_text() for path in EXAMPLES)
+    for name in emovid.__all__:
+        assert f"{name}(" in texts, name
+        assert callable(getattr(emovid, name))
+    assert set(emovid.__all__) <= set(dir(emovid))
+    with pytest.raises(AttributeError, match="has no attribute 'simulat'"):
+        _ = emovid.simulat
