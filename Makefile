@@ -47,8 +47,10 @@ bench: .venv/dev-installed
 bench-survey: .venv/dev-installed
 	$(BIN)/python benchmarks survey
 
-readme: .venv/installed
+readme: .venv/dev-installed
 	$(BIN)/python docs/make_picture.py docs/six-emotions.webp
+	$(BIN)/emovid figures anger-frames confusion-matrix --format png -o docs/pictures
+	$(BIN)/python docs/make_survey_picture.py docs/pictures/survey.png
 
 docs: .venv/dev-installed
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet

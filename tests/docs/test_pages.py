@@ -141,7 +141,7 @@ def test_the_commands_of_the_readme_do_what_it_says(tmp_path) -> None:
     page = ROOT / "README.md"
     follow(page, tmp_path)
     made = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.*")}
-    assert {"videos/anger.mp4", "videos/manifest.json", "fear.webm", "out/surprise.mp4"} <= made
+    assert {"videos/anger.mp4", "videos/manifest.json", "fear.webm", "out/surprise.gif"} <= made
     assert {"curious.yaml", "previews/curious.gif", "kit/public/manifest.json", "kit/private/key.csv"} <= made
     assert {"figures/densities.pdf", "figures/curious-frames.png", "figures/anger-frames.pdf"} <= made
     assert {"results/report.html", "results/results.json", "results/confusion_matrix.tex"} <= made
