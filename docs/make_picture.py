@@ -34,7 +34,7 @@ def main(target: str) -> None:
             page.paste(small(np.asarray(panel)), (i % 3 * WIDTH, i // 3 * (HEIGHT + CAPTION) + CAPTION))
         pictures.append(page)
     pictures[0].save(
-        target, save_all=True, append_images=pictures[1:], duration=1000 // FPS, loop=0, quality=70, method=6
+        target, save_all=True, append_images=pictures[1:], duration=1000 // FPS, loop=0, quality=70, method=4
     )
 
 

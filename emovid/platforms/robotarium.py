@@ -17,10 +17,9 @@ from emovid.platforms.density_source import density_source, nodes_for
 from emovid.scene.behaviour import CircularSinusoid, Contour, Coverage, ExpandingCircle
 from emovid.scene.load import scene_digest
 from emovid.scene.model import Scene
-from emovid.scene.safety import Barrier
+from emovid.scene.safety import Barrier, spacing_of
 from emovid.scene.stage import StageKeys
 from emovid.swarm.arrays import Array
-from emovid.swarm.barrier import spacing_of
 from emovid.swarm.start import start_poses
 from emovid.swarm.unicycle import look_ahead
 

@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field
 
 from emovid.scene.fields import Keys, Length
+from emovid.scene.robots import Robot
 
 MAX_PERIOD = 0.04  # s; of a barrier that names none: robots' own control periods are about as long
 
@@ -45,3 +46,8 @@ Safety = Annotated[
         json_schema_input_type=Literal["none", "barrier"] | Annotated[NoSafety | Barrier, Field(discriminator="kind")],
     ),
 ]
+
+
+def spacing_of(safety: Barrier, robot: Robot) -> float:
+    """Return the distance D [m] that the barrier keeps between the middles of two bodies."""
+    return 2 * robot.body.guarded[1] if safety.spacing is None else safety.spacing

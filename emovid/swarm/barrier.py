@@ -31,7 +31,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from emovid.scene.robots import Limits, Robot
-from emovid.scene.safety import Barrier
+from emovid.scene.safety import Barrier, spacing_of
 from emovid.scene.stage import Stage
 from emovid.swarm.arrays import Array, Indices, Mask
 from emovid.swarm.projection import nearest_within
@@ -71,11 +71,6 @@ class _Rows(NamedTuple):
     g_i: Array
     g_j: Array
     most: Array
-
-
-def spacing_of(safety: Barrier, robot: Robot) -> float:
-    """Return the distance D [m] that the barrier keeps between the middles of two bodies."""
-    return 2 * robot.body.guarded[1] if safety.spacing is None else safety.spacing
 
 
 def certified(poses: Array, commands: Array, seconds: float, robot: Robot, stage: Stage, safety: Barrier) -> Certified:

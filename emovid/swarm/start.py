@@ -6,11 +6,10 @@ import numpy as np
 
 from emovid.scene.behaviour import Coverage
 from emovid.scene.model import Scene
-from emovid.scene.safety import Barrier
+from emovid.scene.safety import Barrier, spacing_of
 from emovid.scene.stage import Rectangle
 from emovid.scene.start import AtPoses, InRegion, InStage, OnContour
 from emovid.swarm.arrays import Array
-from emovid.swarm.barrier import spacing_of
 from emovid.swarm.clearance import room_on_stage
 from emovid.swarm.contours import followed_points, start_angles, start_headings
 from emovid.swarm.near import pairs_within
@@ -139,17 +138,21 @@ def _check_stage(scene: Scene, poses: Array) -> None:
 
 
 def _check_spacing(scene: Scene, poses: Array) -> None:
-    ahead, radius = scene.robot.body.disc
+    body = scene.robot.body
+    ahead, radius = body.disc
     middles = look_ahead(poses, ahead)
     least = 2 * radius + _separation(scene)
-    pairs = np.stack(pairs_within(middles, least - _ROUNDING), axis=1)
+    i, j = pairs_within(middles, least - _ROUNDING)
+    # Apart are also those whose discs about the axles are: what a start at random has seen to.
+    apart = np.hypot(*(poses[i] - poses[j])[:, :2].T) >= 2 * body.radius + _separation(scene) - _ROUNDING
+    pairs = np.stack([i, j], axis=1)[~apart]
     if len(pairs):
-        i = int(pairs[0, 0])
-        others = pairs[(pairs == i).any(axis=1)].sum(axis=1) - i
-        distance = np.hypot(*(middles[others] - middles[i]).T)
+        one = int(pairs[0, 0])
+        others = pairs[(pairs == one).any(axis=1)].sum(axis=1) - one
+        distance = np.hypot(*(middles[others] - middles[one]).T)
         nearest = int(distance.argmin())
         raise scene.fault(
             "start.poses" if isinstance(scene.start, AtPoses) else "robots",
-            f"{scene.robots} robots do not fit: robots {i + 1} and {others[nearest] + 1} would start "
+            f"{scene.robots} robots do not fit: robots {one + 1} and {others[nearest] + 1} would start "
             f"{1000 * distance[nearest]:.3g} mm apart, and need {1000 * least:.3g} mm",
         )

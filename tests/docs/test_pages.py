@@ -1,6 +1,7 @@
 """Every command of every page runs, and prints what the page says it prints."""
 
 import os
+import re
 import shlex
 import signal
 import subprocess
@@ -11,7 +12,10 @@ from typing import Any
 import exports
 import pytest
 import yaml
+from crowd import Crowd
 from pages import DOCS, ROOT, Command, Keys, agrees, in_tables, mentioned, pages, steps
+from served import serving
+from small_survey import STUDY
 from typer.main import get_command
 
 from emovid.cli.main import app
@@ -50,8 +54,8 @@ def small(source: Path) -> str:
     return text
 
 
-def given(page: Path, folder: Path) -> None:
-    """Put into the folder what a reader of the page has."""
+def given(page: Path, folder: Path) -> dict[str, str]:
+    """Put into the folder what a reader of the page has, and return what stands in a page for something of theirs."""
     (folder / "responses.csv").write_bytes(REFERENCE.read_bytes())
     if page.parent.name == "analyse":
         export = EXAMPLES[page.stem]()
@@ -61,9 +65,10 @@ def given(page: Path, folder: Path) -> None:
             (folder / "exports" / name).write_bytes(data)
         if len(export.files) == 1:
             (folder / "export.csv").write_bytes(*export.files.values())
-        return
+        return {}
     (folder / "table.csv").write_text("a,b\n1,2\n")
-    (folder / "my_scene.yaml").write_text(small(ROOT / "configs" / "anger.yaml"))
+    scene = "robotarium-today/anger" if page.stem == "export-robotarium" else "anger"
+    (folder / "my_scene.yaml").write_text(small(ROOT / "configs" / f"{scene}.yaml"))
     (folder / "sweep.yaml").write_text(
         "only: measure\nscenes: [sadness]\nset: {duration: 1}\ngrid: {robot.K: [2, 3]}\n"
     )
@@ -72,13 +77,29 @@ def given(page: Path, folder: Path) -> None:
     (folder / "studies" / "example" / "study.yaml").write_text(study)
     if page.name != "README.md" and "videos/" in page.read_text():
         run("emovid render --all --size 320x180 --fps 5 --set duration=2 --quiet", folder)
+    words = {"$SLURM_ARRAY_TASK_ID": "1"}
+    return words | {"CODE": code_of_a_participant(folder)} if page.stem == "survey" else words
+
+
+def code_of_a_participant(folder: Path) -> str:
+    """Build a kit, let three take part, and return the code of one."""
+    (folder / "study").mkdir()
+    (folder / "study" / "study.yaml").write_text(STUDY)
+    run("emovid study build study -o kit/ --quiet", folder)
+    with serving(folder / "kit") as server:
+        crowd = Crowd(server.address, 3, duration=1.0)
+        crowd.start()
+        crowd.wait()
+    assert crowd.failures == []
+    return crowd.people[0].code
 
 
 def run(line: str, folder: Path) -> "subprocess.CompletedProcess[str]":
-    command = shlex.split(line.replace("$SLURM_ARRAY_TASK_ID", "1"))
+    command = shlex.split(line)
     assert command[0] == "emovid", line
-    waits = "--watch" in command or command[1:3] == ["study", "serve"]
-    return (started_and_stopped if waits else finished)(command, folder)
+    if command[1:3] == ["study", "serve"]:
+        return started_and_stopped([*command, "--port", "0"], folder)
+    return (started_and_stopped if "--watch" in command else finished)(command, folder)
 
 
 def finished(command: list[str], folder: Path) -> "subprocess.CompletedProcess[str]":
@@ -115,12 +136,12 @@ def merged(old: dict[str, Any], new: dict[str, Any]) -> dict[str, Any]:
 
 def follow(page: Path, folder: Path) -> None:
     """Do what a page says, in a folder with what its reader has."""
-    given(page, folder)
+    words = given(page, folder)
     for step in steps(page):
         if isinstance(step, Keys):
             write(step, folder)
             continue
-        done = run(step.line, folder)
+        done = run(re.sub("|".join(map(re.escape, words)) or "$^", lambda word: words[word[0]], step.line), folder)
         said = done.stdout + done.stderr
         if step.printed is None:
             assert done.returncode == 0, f"{step.line}\n{said}"
@@ -156,11 +177,9 @@ def test_a_command_that_is_named_in_passing_exists_with_its_options(page) -> Non
         words = shlex.split(line.replace("...", "x"))[1:]
         command = get_command(app)
         while hasattr(command, "commands"):
-            if not words or not words[0].isalpha():
+            if not words or words[0].isupper() or words[0].startswith("-"):  # COMMAND, or an option of all
                 break
-            assert words[0] in command.commands or words[0].isupper(), line
-            if words[0].isupper():
-                break
+            assert words[0] in command.commands, line
             command = command.commands[words.pop(0)]
         known = {name for option in command.params for name in option.opts}
         given_options = {word.split("=")[0] for word in words if word.startswith("-")}

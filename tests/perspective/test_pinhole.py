@@ -45,7 +45,9 @@ def test_parallel_lines_meet_in_one_vanishing_point(camera, angle, places) -> No
     assume(way[1] > 0.05)  # away from the camera
     cos, sin = np.cos(camera.aim.tilt), np.sin(camera.aim.tilt)
     expected = camera.aim.focal * np.array([way[0] / (way[1] * cos), sin / cos]) + [640, 360]
-    assert camera.pixels(places + 1e9 * way) == pytest.approx(np.broadcast_to(expected, places.shape), rel=1e-5, abs=1e-2)
+    assert camera.pixels(places + 1e9 * way) == pytest.approx(
+        np.broadcast_to(expected, places.shape), rel=1e-5, abs=1e-2
+    )
     assert expected[1] == pytest.approx(camera.horizon)  # as those of all lines of the floor
 
 

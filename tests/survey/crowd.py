@@ -32,6 +32,11 @@ class Person:
         self.seconds: list[float] = []
         self.submitted = False
 
+    @property
+    def code(self) -> str:
+        """The participant's own, which the cookie holds."""
+        return self._cookie.partition("=")[2]
+
     def take_part(self) -> None:
         """Go from consent to submission."""
         page = self._ask("GET", "/")

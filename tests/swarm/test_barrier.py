@@ -9,7 +9,8 @@ from scipy.optimize import minimize
 
 from emovid.scene.load import Setting, load_scene
 from emovid.scene.model import Scene
-from emovid.swarm.barrier import Certified, certified, spacing_of
+from emovid.scene.safety import spacing_of
+from emovid.swarm.barrier import Certified, certified
 from emovid.swarm.clearance import room_on_stage
 from emovid.swarm.simulate import simulate
 from emovid.swarm.start import start_poses
