@@ -52,7 +52,7 @@ readme: .venv/dev-installed
 	$(BIN)/emovid figures anger-frames confusion-matrix --format png -o docs/pictures
 	$(BIN)/python docs/make_survey_picture.py docs/pictures/survey.png
 
-docs: .venv/dev-installed
+docs: .venv/dev-installed gallery
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 golden: .venv/dev-installed

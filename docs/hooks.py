@@ -16,11 +16,13 @@ from mkdocs.structure.pages import Page
 from emovid.scene.schema import scene_schema
 
 ROOT = Path(__file__).parent.parent
+GALLERY = ROOT / "figures" / "gallery.html"
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Add the pages that are made from the code."""
+    """Add the pages that are made from the code and by it."""
     made = {"reference/commands.md": commands_page(), "reference/scene.md": scene_page()}
+    made["gallery.html"] = GALLERY.read_text() if GALLERY.is_file() else "<!doctype html><p>Made by make docs.</p>"
     for path, text in made.items():
         files.append(File.generated(config, path, content=text))
     return files
