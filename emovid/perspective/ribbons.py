@@ -49,8 +49,9 @@ def ribbon(camera: Pinhole, line: Array, width: float, before: Array | None = No
         points = np.concatenate([[points[0] + back * min(_OVERLAP / camera.scale / np.hypot(*back), 1)], points])
     along = np.diff(points, axis=0)
     length = np.hypot(along[:, 0], along[:, 1])
-    aside = width / 2 * along[:, ::-1] * [-1, 1] / length[:, None]
-    starts, ends, smooth = _mitred(aside, length, width)
+    normal = along[:, ::-1] * [-1, 1] / length[:, None]
+    starts, ends, smooth = _mitred(normal, length, width)
+    aside = width / 2 * normal
     first, last = points[:-1], points[1:]
     strips = np.stack([first - starts, last - ends, last + ends, first + starts], axis=1)
     if joined:
@@ -66,18 +67,18 @@ def ribbon(camera: Pinhole, line: Array, width: float, before: Array | None = No
     return Ribbon(path, np.concatenate(low), np.concatenate(high))
 
 
-def _mitred(aside: Array, length: Array, width: float) -> tuple[Array, Array, Mask]:
-    """Return the ways to the sides at the start and the end of pieces (S, 2), and which joints (S - 1,) this closes.
+def _mitred(normal: Array, length: Array, width: float) -> tuple[Array, Array, Mask]:
+    """Return the ways to the left at the start and the end of pieces (S, 2), and which joints (S - 1,) this closes.
 
     Where a line hardly turns, pieces share their corners: an arc is many of them.
     """
-    cos = (aside[:-1] * aside[1:]).sum(axis=1) / (width / 2) ** 2
+    cos = (normal[:-1] * normal[1:]).sum(axis=1)
     long = length > _SHORT * width
     smooth = (cos > np.cos(_SMOOTH)) & long[:-1] & long[1:]
-    middle = (aside[:-1] + aside[1:]) / (1 + np.where(smooth, cos, 0.0))[:, None]
-    starts, ends = aside.copy(), aside.copy()
+    middle = (normal[:-1] + normal[1:]) / (1 + np.where(smooth, cos, 0.0))[:, None]
+    starts, ends = normal.copy(), normal.copy()
     starts[1:][smooth] = ends[:-1][smooth] = middle[smooth]
-    return starts, ends, smooth
+    return width / 2 * starts, width / 2 * ends, smooth
 
 
 def _joints(points: Array, aside: Array) -> Array:

@@ -74,3 +74,8 @@ def test_a_line_seen_at_45_degrees_has_its_whole_width_along_the_view_and_less_a
     whole = 0.002 * 1000 / np.sqrt(2)  # at a distance of sqrt(2) m
     assert np.ptp(away[:, 0]) == pytest.approx(whole, rel=1e-3)
     assert np.ptp(across[:, 1]) == pytest.approx(whole * np.sin(np.pi / 4), rel=1e-3)
+
+
+@given(PINHOLES, LINES, st.sampled_from([1e-300, 1e-12]))
+def test_a_line_that_is_too_thin_to_see_is_a_line_all_the_same(camera, line, width) -> None:
+    assert np.isfinite(ribbon(camera, line, width).path.vertices).all()
