@@ -11,6 +11,7 @@ from emovid.scene.model import Scene
 
 # How long an example takes says more of the machine than of the code.
 settings.register_profile("emovid", deadline=None)
+settings.register_profile("repeatable", deadline=None, derandomize=True)  # the same examples each time
 settings.load_profile("emovid")
 
 MakeScene = Callable[..., Scene]
