@@ -14,9 +14,6 @@ from pathlib import Path
 import numpy as np
 from playwright.sync_api import sync_playwright
 
-from emovid.kit.build import build
-from emovid.kit.load import load_study
-
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "tests" / "survey"))
 
@@ -24,26 +21,10 @@ from crowd import Crowd  # noqa: E402 - the crowd of the tests
 from killing import kill_under_load  # noqa: E402
 from participant import Participant  # noqa: E402
 from served import serving  # noqa: E402
-from small_survey import STUDY  # noqa: E402
+from small_survey import STUDY, small_kit  # noqa: E402
 
-PEOPLE, KILLS, LENGTH = 200, 50, 2.0  # s
+PEOPLE, ORDERS, KILLS, LENGTH = 200, 240, 50, 2.0  # s
 Row = tuple[str, str, bool]
-
-
-class _Silent:
-    def advanced(self, frames: int) -> None:
-        pass
-
-    def finished(self, video: Path, number: int, count: int, *, made: bool) -> None:
-        pass
-
-
-def made(folder: Path, text: str) -> Path:
-    """Build a kit of a study."""
-    folder.mkdir()
-    (folder / "study.yaml").write_text(text)
-    build(load_study(folder / "study.yaml"), folder / "kit", 240, 7, _Silent())
-    return folder / "kit"
 
 
 def crowded(kit: Path) -> Row:
@@ -71,7 +52,7 @@ def killed(kit: Path) -> Row:
 
 def watched(folder: Path) -> Row:
     """Let one participant take part in the example study, in a real browser, at full length."""
-    kit = made(folder / "full", (ROOT / "studies" / "example" / "study.yaml").read_text())
+    kit = small_kit(folder / "full", (ROOT / "studies" / "example" / "study.yaml").read_text(), ORDERS)
     with serving(kit) as server, sync_playwright() as playwright:
         path = shutil.which("chromium") or shutil.which("google-chrome")
         browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox", "--disable-gpu"])
@@ -103,7 +84,7 @@ def main() -> int:
     """Print the table."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        kit = made(folder / "small", STUDY.replace("duration: 1}", f"duration: {LENGTH:g}}}"))
+        kit = small_kit(folder / "small", STUDY.replace("duration: 1}", f"duration: {LENGTH:g}}}"), ORDERS)
         other = shutil.copytree(kit, folder / "killed" / "kit")
         print("| what | outcome |\n|---|---|")
         held = True

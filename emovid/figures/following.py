@@ -76,16 +76,6 @@ def strays(points: Array, path: Array) -> Array:
     return np.hypot(*np.moveaxis(points[:, None] - nearest, -1, 0)).min(axis=1)
 
 
-def sharpness(points: Array, length: float = 0.01) -> float:
-    """Return how far a trace (P, 2) [m] turns within `length` [m] of it, where it turns most [rad]."""
-    steps = np.diff(points, axis=0)
-    moved = np.hypot(*steps.T) > 0
-    angle = np.unwrap(np.arctan2(steps[moved, 1], steps[moved, 0]))
-    turned = np.concatenate([[0], np.cumsum(np.abs(np.diff(angle)))])
-    gone = np.cumsum(np.hypot(*steps[moved].T))
-    return float((np.interp(gone + length, gone, turned) - turned).max())
-
-
 @in_style()
 def following_figure(runs: Sequence[Following], path: Array = PATH, *, width: float = SINGLE_COLUMN) -> Figure:
     """Draw runs along one path, dashed, one above the other, each with the robot at its end.

@@ -94,11 +94,6 @@ def _critical(n: NDArray[np.int64], k: int, alpha: float) -> NDArray[np.int64]:
     return binom.isf(alpha, n, 1 / k).astype(np.int64) + 1
 
 
-def binomial_power(rate: float, n: int, k: int = 6, alpha: float = 0.05) -> float:
-    """Return the exact probability that n answers with the true hit rate `rate` are found above 1 / k."""
-    return float(binom.sf(critical_hits(n, k, alpha) - 1, n, rate))
-
-
 def n_binomial(rate: float, k: int = 6, alpha: float = 0.05, power: float = 0.8) -> int | None:
     """Return the smallest n from which on the exact power stays at `power` or above; None over `MOST_PARTICIPANTS`.
 

@@ -1,9 +1,7 @@
 """What all commands have in common: names of options, help, exit codes, colours, completion."""
 
 import os
-import pty
 import re
-import select
 import shlex
 import subprocess
 import sys
@@ -12,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from terminal import on_a_terminal
 from typer.main import get_command
 
 from emovid.cli.main import app, main
@@ -171,35 +170,9 @@ def test_what_ends_a_command_from_outside_is_one_line(raised, code, message, tmp
 # --- colours ---------------------------------------------------------------------------------------------------------
 
 
-def on_a_terminal(arguments: list[str], **environment: str) -> bytes:
-    """Return what a command writes to a terminal of 100 columns."""
-    plain = {key: value for key, value in os.environ.items() if key not in ("NO_COLOR", "FORCE_COLOR", "CI")}
-    master, slave = pty.openpty()
-    command = subprocess.Popen(
-        [*EMOVID, *arguments],
-        stdin=slave,
-        stdout=slave,
-        stderr=slave,
-        env=plain | {"TERM": "xterm-256color", "COLUMNS": "100"} | environment,
-    )
-    os.close(slave)
-    said = b""
-    while select.select([master], [], [], 60)[0]:
-        try:
-            chunk = os.read(master, 65536)
-        except OSError:  # the other end has closed
-            break
-        if not chunk:
-            break
-        said += chunk
-    os.close(master)
-    command.wait(60)
-    return said
-
-
 def test_colours_are_for_a_terminal_and_not_where_they_are_unwanted() -> None:
-    assert ANSI_COLOUR.search(on_a_terminal(["render", "--help"]))
-    assert not ANSI_COLOUR.search(on_a_terminal(["render", "--help"], NO_COLOR="1"))
+    assert ANSI_COLOUR.search(on_a_terminal("render", "--help"))
+    assert not ANSI_COLOUR.search(on_a_terminal("render", "--help", NO_COLOR="1"))
     plain = {key: value for key, value in os.environ.items() if key not in ("FORCE_COLOR", "GITHUB_ACTIONS")}
     piped = subprocess.run([*EMOVID, "render", "--help"], capture_output=True, env=plain, check=True)
     assert b"\x1b" not in piped.stdout
@@ -208,7 +181,7 @@ def test_colours_are_for_a_terminal_and_not_where_they_are_unwanted() -> None:
 def test_results_on_a_terminal_have_no_colours_where_they_are_unwanted(tmp_path) -> None:
     render = ["render", "sadness", "--size", "96x64", "--set", "duration=2", "-o", str(tmp_path)]
     for arguments in (render, ["measure", "sadness", "--set", "duration=8"]):
-        said = on_a_terminal(arguments, NO_COLOR="1")
+        said = on_a_terminal(*arguments, NO_COLOR="1")
         assert said
         assert not ANSI_COLOUR.search(said), arguments
 

@@ -1,7 +1,4 @@
 import json
-import os
-import pty
-import select
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +6,7 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
+from terminal import on_a_terminal
 
 from emovid.cli.main import main
 from emovid.scene.emotions import EMOTIONS
@@ -173,23 +171,8 @@ def test_a_reader_that_leaves_early_is_no_error() -> None:
 
 
 def test_a_terminal_gets_a_bar_and_the_same_last_lines(tmp_path) -> None:
-    master, slave = pty.openpty()
-    command = [*EMOVID, "render", "sadness", "-o", str(tmp_path), "--size", "320x180", "--set", "duration=6"]
-    quiet = {key: value for key, value in os.environ.items() if key not in ("CI", "NO_COLOR")} | {
-        "TERM": "xterm-256color"
-    }
-    with subprocess.Popen(command, stderr=slave, stdout=slave, env=quiet | {"COLUMNS": "100"}) as process:
-        os.close(slave)
-        said = b""
-        while select.select([master], [], [], 60)[0]:
-            try:
-                chunk = os.read(master, 65536)
-            except OSError:  # the other end has closed
-                break
-            said += chunk
-    os.close(master)
-    assert process.returncode == 0
-    text = said.decode()
+    size = ["--size", "320x180", "--set", "duration=6"]
+    text = on_a_terminal("render", "sadness", "-o", str(tmp_path), *size).decode()
     assert "/180" in text  # the bar counts frames
     assert f"[1/1] {tmp_path}/sadness.mp4: 180 frames" in text.replace("\r\n", "")
     assert "rendered 1 in" in text

@@ -1,5 +1,6 @@
 """Every command of every page runs, and prints what the page says it prints."""
 
+import json
 import os
 import re
 import shlex
@@ -13,12 +14,13 @@ import exports
 import pytest
 import yaml
 from crowd import Crowd
-from pages import DOCS, ROOT, Command, Keys, agrees, in_tables, mentioned, pages, steps
+from pages import DOCS, ROOT, Keys, agrees, in_tables, mentioned, pages, steps
 from served import serving
-from small_survey import STUDY
+from small_survey import small_kit
 from typer.main import get_command
 
 from emovid.cli.main import app
+from emovid.study.dialects.registry import DIALECTS
 
 ENV = {
     **os.environ,
@@ -83,10 +85,7 @@ def given(page: Path, folder: Path) -> dict[str, str]:
 
 def code_of_a_participant(folder: Path) -> str:
     """Build a kit, let three take part, and return the code of one."""
-    (folder / "study").mkdir()
-    (folder / "study" / "study.yaml").write_text(STUDY)
-    run("emovid study build study -o kit/ --quiet", folder)
-    with serving(folder / "kit") as server:
+    with serving(small_kit(folder)) as server:
         crowd = Crowd(server.address, 3, duration=1.0)
         crowd.start()
         crowd.wait()
@@ -150,10 +149,11 @@ def follow(page: Path, folder: Path) -> None:
             assert "Traceback" not in said
 
 
-WITH_COMMANDS = [page for page in pages() if any(isinstance(step, Command) for step in steps(page))]
+# The README and the tutorial have tests of their own below.
+FOLLOWED = [page for page in pages() if page.stem not in ("README", "tutorial") and any(steps(page))]
 
 
-@pytest.mark.parametrize("page", WITH_COMMANDS[1:], ids=lambda page: str(page.relative_to(DOCS)))
+@pytest.mark.parametrize("page", FOLLOWED, ids=lambda page: str(page.relative_to(DOCS)))
 def test_the_commands_of_a_page_do_what_it_says(page, tmp_path) -> None:
     follow(page, tmp_path)
 
@@ -166,6 +166,7 @@ def test_the_commands_of_the_readme_do_what_it_says(tmp_path) -> None:
     assert {"curious.yaml", "previews/curious.gif", "kit/public/manifest.json", "kit/private/key.csv"} <= made
     assert {"figures/densities.pdf", "figures/curious-frames.png", "figures/anger-frames.pdf"} <= made
     assert {"results/report.html", "results/results.json", "results/confusion_matrix.tex"} <= made
+    assert 1e6 < (tmp_path / "videos" / "anger.mp4").stat().st_size < 3e6  # as the questions say
     for line in in_tables(page):
         done = run(line, tmp_path)
         assert done.returncode == (1 if " diff " in line else 0), f"{line}\n{done.stdout}{done.stderr}"
@@ -184,6 +185,21 @@ def test_a_command_that_is_named_in_passing_exists_with_its_options(page) -> Non
         known = {name for option in command.params for name in option.opts}
         given_options = {word.split("=")[0] for word in words if word.startswith("-")}
         assert given_options <= known | {"--help", "--install-completion", "--show-completion"}, line
+
+
+def test_the_tutorial_s_emotion_moves_as_it_says(tmp_path) -> None:
+    follow(DOCS / "tutorial.md", tmp_path)
+    scenes = json.loads(run("emovid measure curious.yaml fear disgust --json", tmp_path).stdout)["scenes"]
+    curious, fear, disgust = (scenes[name] for name in ("curious.yaml", "fear", "disgust"))
+    assert curious["turning_per_metre"] < fear["turning_per_metre"] / 5
+    assert curious["cusps_per_second"] < fear["cusps_per_second"] / 5
+    assert curious["speed_mean"] < disgust["speed_mean"]
+
+
+def test_the_readme_counts_the_tools() -> None:
+    of_no_tool = {"emovid survey", "long table", "wide table"}
+    assert len({dialect.name for dialect in DIALECTS} - of_no_tool) == len(EXAMPLES) - 2 == 13
+    assert "any of thirteen tools" in " ".join((ROOT / "README.md").read_text().split())
 
 
 def test_every_tool_has_a_page_and_every_page_an_export() -> None:

@@ -13,7 +13,7 @@ from scipy.spatial import Voronoi
 
 from emovid.figures.densities import centroids, converged, densities_figure, density_map
 from emovid.figures.diffeomorphism import clearest_step, diffeomorphism_figure
-from emovid.figures.following import LARGE_L, PATH, SMALL_L, follow, following_figure, sharpness, strays
+from emovid.figures.following import LARGE_L, PATH, SMALL_L, follow, following_figure, strays
 from emovid.figures.interaction import interaction_figure, neighbours
 from emovid.figures.robot import robot_figure
 from emovid.figures.shapes import arrows_of, expanded, shapes_figure
@@ -24,6 +24,16 @@ from emovid.swarm.coverage import corners_of
 from emovid.swarm.simulate import simulate
 from emovid.swarm.unicycle import look_ahead, near_identity
 from emovid.swarm.voronoi import voronoi_cells
+
+
+def sharpness(points: np.ndarray, length: float = 0.01) -> float:
+    """Return how far a trace (P, 2) [m] turns within `length` [m] of it, where it turns most [rad]."""
+    steps = np.diff(points, axis=0)
+    moved = np.hypot(*steps.T) > 0
+    angle = np.unwrap(np.arctan2(steps[moved, 1], steps[moved, 0]))
+    turned = np.concatenate([[0], np.cumsum(np.abs(np.diff(angle)))])
+    gone = np.cumsum(np.hypot(*steps[moved].T))
+    return float((np.interp(gone + length, gone, turned) - turned).max())
 
 
 def words(figure: Figure) -> list[str]:

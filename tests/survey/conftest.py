@@ -4,32 +4,19 @@ from pathlib import Path
 
 import pytest
 from flask import Flask
-from small_survey import STUDY
+from small_survey import small_kit
 from visitor import Clock, Visitor
 
-from emovid.kit.build import build
-from emovid.kit.load import load_study
 from emovid.kit.read import Kit, open_public
 from emovid.survey.app import create_app
 from emovid.survey.store import Store
 from emovid.survey.visit import Survey
 
 
-class _Silent:
-    def advanced(self, frames: int) -> None:
-        pass
-
-    def finished(self, video: Path, number: int, count: int, *, made: bool) -> None:
-        pass
-
-
 @pytest.fixture(scope="session")
 def fresh(tmp_path_factory) -> Path:
     """Build a kit of six very small videos, which no test may change."""
-    folder = tmp_path_factory.mktemp("survey")
-    (folder / "study.yaml").write_text(STUDY)
-    build(load_study(folder / "study.yaml"), folder / "kit", 12, 2**80 + 7, _Silent())
-    return folder / "kit"
+    return small_kit(tmp_path_factory.mktemp("survey"))
 
 
 @pytest.fixture

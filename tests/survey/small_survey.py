@@ -1,5 +1,10 @@
 """A study of six very small videos, for the survey's tests."""
 
+from pathlib import Path
+
+from emovid.kit.build import build
+from emovid.kit.load import load_study
+
 STUDY = """\
 title: Small robots
 question: Which emotion best described the movement of the robots in the video?
@@ -16,3 +21,19 @@ instructions: Watch each video to its end.
 thanks: {text: Thank you., code: C0MPLETE, link: "https://example.org/back?study=1&done=yes"}
 """
 LABELS = ("happiness", "surprise", "anger", "fear", "disgust", "sadness")
+
+
+class _Silent:
+    def advanced(self, frames: int) -> None:
+        pass
+
+    def finished(self, video: Path, number: int, count: int, *, made: bool) -> None:
+        pass
+
+
+def small_kit(folder: Path, text: str = STUDY, participants: int = 12, seed: int = 2**80 + 7) -> Path:
+    """Build the kit of a study, and return where it is."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "study.yaml").write_text(text)
+    build(load_study(folder / "study.yaml"), folder / "kit", participants, seed, _Silent())
+    return folder / "kit"

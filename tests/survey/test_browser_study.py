@@ -7,29 +7,17 @@ import pandas as pd
 import pytest
 from participant import Participant
 from served import Server, serving
-from small_survey import LABELS, STUDY
+from small_survey import LABELS, STUDY, small_kit
 
 from emovid.cli.main import main
-from emovid.kit.build import build
-from emovid.kit.load import load_study
 
 PEOPLE = 12
 
 
-class _Silent:
-    def advanced(self, frames: int) -> None:
-        pass
-
-    def finished(self, video, number: int, count: int, *, made: bool) -> None:
-        pass
-
-
 @pytest.fixture(scope="module")
 def kit(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("rehearsal")
-    (folder / "study.yaml").write_text(STUDY.replace("duration: 1}", "duration: 2}"))
-    build(load_study(folder / "study.yaml"), folder / "kit", PEOPLE, 2**80 + 11, _Silent())
-    return folder / "kit"
+    text = STUDY.replace("duration: 1}", "duration: 2}")
+    return small_kit(tmp_path_factory.mktemp("rehearsal"), text, PEOPLE)
 
 
 @pytest.fixture(scope="module")
