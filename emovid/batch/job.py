@@ -22,12 +22,12 @@ from emovid.whole_files import file_digest
 Kind = Literal["video", "trajectory", "measure"]
 Record = dict[str, Any]  # of a finished job: its recipe, and what came of it
 
-# The rooms whose code, and the packages whose versions, a result may depend on.
-_ROOMS = {
-    "video": ("scene", "swarm", "looks.py", "perspective", "video"),
-    "trajectory": ("scene", "swarm"),
-    "measure": ("scene", "swarm", "measure"),
-    "sheet": ("looks.py", "perspective", "video", "figures", "batch"),
+# The modules whose code, and the packages whose versions, a result may depend on.
+_MODULES = {
+    "video": ("scene/*.py", "swarm/*.py", "looks.py", "perspective/*.py", "video/*.py"),
+    "trajectory": ("scene/*.py", "swarm/*.py"),
+    "measure": ("scene/*.py", "swarm/*.py", "measure/*.py"),
+    "sheet": ("looks.py", "perspective/*.py", "video/*.py", "figures/*.py", "batch/*.py"),
 }
 _PACKAGES = {
     "video": ("numpy", "scipy", "matplotlib"),
@@ -120,15 +120,14 @@ def versions(only: str) -> dict[str, str]:
         **{name: version(name) for name in ("emovid", *_PACKAGES[only])},
         **({"ffmpeg": ffmpeg_version()} if only == "video" else {}),
         "machine": platform.machine(),
-        "code": _code_digest(_ROOMS[only]),
+        "code": _code_digest(_MODULES[only]),
     }
 
 
-def _code_digest(rooms: tuple[str, ...]) -> str:
+def _code_digest(modules: tuple[str, ...]) -> str:
     """Return a digest of the modules that decide a result: an edited checkout is another version too."""
     package = Path(__file__).parent.parent
     sha = hashlib.sha256()
-    patterns = [room if room.endswith(".py") else f"{room}/*.py" for room in rooms]
-    for path in sorted(path for pattern in patterns for path in package.glob(pattern)):
+    for path in sorted(path for pattern in modules for path in package.glob(pattern)):
         sha.update(path.read_bytes())
     return sha.hexdigest()[:16]
