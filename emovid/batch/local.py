@@ -81,12 +81,11 @@ class Processes:
 
     def _listen(self) -> None:
         while not self._over.is_set():
-            slots = [slot for slot in self._slots if slot.line]
-            ready = wait([slot.line for slot in slots if slot.line], timeout=_PACE)
-            for slot in slots:
-                if slot.line in ready:
-                    slot.hear(self._hear)
-            if not slots:
+            lines = {line: slot for slot in self._slots for line in slot.open_lines}
+            ready = wait(list(lines), timeout=_PACE)
+            for line in lines.keys() & ready:
+                lines[line].hear(line, self._hear)
+            if not lines:
                 time.sleep(_PACE)
 
 
@@ -96,18 +95,26 @@ class _Slot:
     def __init__(self) -> None:
         self._item: Any = None
         self._number = 0  # of items
-        self.line: Connection | None = None
-        self._keep: Connection | None = None  # the same, also when nothing can come in any more
+        # The first is set where items are submitted, the second where reports are heard: a process may be replaced
+        # while its end is being noticed.
+        self._line: Connection | None = None
+        self._ended: Connection | None = None
         self._pool: ProcessPoolExecutor | None = None
         self._future: Future[Any] | None = None
+
+    @property
+    def open_lines(self) -> list[Connection]:
+        """The line to the process, or none if nothing can come in."""
+        line = self._line
+        return [line] if line and line is not self._ended else []
 
     @property
     def is_free(self) -> bool:
         return self._future is None or self._future.done()
 
     def submit(self, work: Callable[..., Any], item: Any) -> "Future[Any]":
-        self._item, self._number = item, self._number + 1
         died = self._future is not None and isinstance(self._future.exception(), BrokenProcessPool)
+        self._item, self._number, self._future = item, self._number + 1, None
         # A process must not be interrupted before it can handle that, nor we before it is known.
         with held_signals(), blocked_signals():
             if self._pool is None or died:
@@ -120,26 +127,26 @@ class _Slot:
                 self._future = self._pool.submit(_in_worker, self._number, work, item)
         return self._future
 
-    def hear(self, hear: Hear) -> None:
+    def hear(self, line: Connection, hear: Hear) -> None:
         """Pass on a report that has come."""
-        line = self.line
         try:
-            number, done, total = line.recv() if line else (0, 0, 0)
+            number, done, total = line.recv()
         except (EOFError, OSError):  # it has died
-            self.line = None
+            self._ended = line
         else:
-            if number == self._number and not self.is_free:  # else it is over
+            future = self._future  # none while it is being submitted
+            if number == self._number and not (future and future.done()):  # else it is over
                 hear(self._item, done, total)
 
     def _start(self) -> None:
         context = multiprocessing.get_context("spawn")  # forking a process with threads can deadlock
-        self._keep, other = context.Pipe()
+        line, other = context.Pipe()
         self._pool = ProcessPoolExecutor(1, context, _enter_worker, (other,))
-        self.line = self._keep
+        self._line = line
 
     def stop(self) -> None:
-        if self._keep:
-            self._keep.close()
+        if self._line:
+            self._line.close()
 
     def join(self) -> None:
         if self._pool:

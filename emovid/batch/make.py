@@ -24,6 +24,9 @@ class Reporter(Protocol):
     def finished(self, job: Job, record: Record, *, made: bool) -> None:
         """A job's result is there: made now, or before."""
 
+    def failed(self, job: Job) -> None:
+        """A job has failed; why, is returned with what came of the others."""
+
     def died(self, job: Job, attempt: int) -> None:
         """The worker that did a job has died, for the `attempt`th time; the job is tried again."""
 
@@ -68,6 +71,7 @@ def make_missing(jobs: Sequence[Job], reporter: Reporter, pool: Pool) -> Made:
         for job, outcome in run(make, jobs, pool, reporter.died):
             if error := _error(job, outcome):
                 made.failures[job.target] = error
+                reporter.failed(job)
                 continue
             ledger.add(job.target.name, outcome)
             made.records[job.target] = outcome

@@ -6,9 +6,12 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from threading import Lock
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from rich.progress import Progress, TaskID
 
     from emovid.batch.job import Job, Record
@@ -20,6 +23,9 @@ class _Silent:
         pass
 
     def finished(self, job: "Job", record: "Record", *, made: bool) -> None:
+        pass
+
+    def failed(self, job: "Job") -> None:
         pass
 
     def died(self, job: "Job", attempt: int) -> None:
@@ -49,6 +55,9 @@ class _Lines:
         if made or self.each:
             self.say(f"[{self.done}/{self.total}] {job.target}: {_result(record) if made else 'up to date'}")
 
+    def failed(self, job: "Job") -> None:
+        pass  # all failures are said together, at the end
+
     def died(self, job: "Job", attempt: int) -> None:
         self.say(f"{job.target}: its worker died, attempt {attempt}; another takes over")
 
@@ -67,25 +76,34 @@ class _Bars(_Lines):
         super().__init__(total, lambda line: progress.console.print(line, highlight=False, markup=False), each=each)
         self.progress = progress
         self.whole = progress.add_task("all", total=total, visible=total > 1)
-        self.tasks: dict[object, TaskID] = {}
+        self.tasks: dict[Path, TaskID | None] = {}  # by target; none once it is done
+        self.lock = Lock()  # reports come from another thread, some after an item has ended
 
     def advanced(self, job: "Job", done: int, total: int) -> None:
-        if job.target not in self.tasks:
-            self.tasks[job.target] = self.progress.add_task(job.target.name)
-        self.progress.update(self.tasks[job.target], completed=done, total=total)
+        with self.lock:
+            if job.target not in self.tasks:
+                self.tasks[job.target] = self.progress.add_task(job.target.name)
+            if (task := self.tasks[job.target]) is not None:
+                self.progress.update(task, completed=done, total=total)
 
     def finished(self, job: "Job", record: "Record", *, made: bool) -> None:
         super().finished(job, record, made=made)
         self.progress.update(self.whole, completed=self.done)
-        self._remove(job)
+        self._end(job, over=True)
+
+    def failed(self, job: "Job") -> None:
+        self._end(job, over=True)
 
     def died(self, job: "Job", attempt: int) -> None:
         super().died(job, attempt)
-        self._remove(job)
+        self._end(job, over=False)
 
-    def _remove(self, job: "Job") -> None:
-        if job.target in self.tasks:
-            self.progress.remove_task(self.tasks.pop(job.target))
+    def _end(self, job: "Job", *, over: bool) -> None:
+        with self.lock:
+            if (task := self.tasks.pop(job.target, None)) is not None:
+                self.progress.remove_task(task)
+            if over:
+                self.tasks[job.target] = None
 
 
 def _result(record: "Record") -> str:

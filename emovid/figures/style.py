@@ -14,6 +14,7 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import TextToPath
 
 from emovid.errors import InputError
+from emovid.signals import held_signals
 from emovid.whole_files import writing
 
 SINGLE_COLUMN, DOUBLE_COLUMN = 3.5, 7.16  # widths [in]; source: IEEE Author Center, "Resolution and Size"
@@ -63,6 +64,7 @@ def in_style() -> Iterator[None]:
 
 
 @in_style()
+@held_signals()  # matplotlib's compiled parts would make what a signal raises meanwhile an error of their own
 def encoded(figure: Figure, format: str) -> bytes:
     """Return a figure as a file of the format: pdf, png (300 dpi) or svg."""
     buffer = BytesIO()

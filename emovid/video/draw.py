@@ -13,6 +13,7 @@ from emovid.looks import trailed_robots
 from emovid.perspective.solids import Colouring
 from emovid.scene.behaviour import Coverage
 from emovid.scene.video import Video
+from emovid.signals import held_signals
 from emovid.swarm.arrays import Array
 from emovid.swarm.densities import density_of
 from emovid.swarm.trajectory import Trajectory
@@ -38,6 +39,7 @@ class Painter:
         video: the look; the scene's own if left out.
     """
 
+    @held_signals()  # see `frame`
     def __init__(self, trajectory: Trajectory, video: Video | None = None) -> None:
         scene = trajectory.scene
         self.video = video or scene.video
@@ -59,6 +61,7 @@ class Painter:
         """What sees the stage."""
         return self._view.camera
 
+    @held_signals()  # Agg asks Python for things, and makes what a signal raises meanwhile an error of its own
     def frame(self, t: float) -> Pixels:
         """Return the frame (height, width, 4) at time `t` [s]: RGBA, row 0 on top, overwritten by the next call."""
         poses = self._poses(t)

@@ -5,13 +5,14 @@ import signal
 import time
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing
+from multiprocessing import Pipe
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from emovid.batch.local import InProcess, Processes
+from emovid.batch.local import InProcess, Processes, _Slot
 from emovid.batch.run import run
 from emovid.errors import EmovidError, SceneError
 
@@ -101,7 +102,7 @@ def test_a_ctrl_c_is_nobody_s_failure() -> None:
 
 
 def _work(item, on_step):
-    """Do as an item says: (name, file that counts attempts, how many of them end in this signal)."""
+    """Do as an item says: (name, file that counts attempts, how many of them end in this signal); wait to be heard."""
     name, file, deaths, number = item
     with file.open("a") as tries:
         tries.write(f"{os.getpid()}\n")
@@ -109,7 +110,10 @@ def _work(item, on_step):
         os.kill(os.getpid(), number)
         time.sleep(60)
     on_step(1, 2)
-    time.sleep(0.2)
+    deadline = time.monotonic() + 60
+    while not file.with_suffix(".heard").exists():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
     return name
 
 
@@ -118,13 +122,32 @@ def test_a_dead_worker_loses_its_item_and_no_other(tmp_path, number) -> None:
     deaths = {"a": 0, "b": 2, "c": 0, "d": 9, "e": 0}
     work = [(name, tmp_path / name, count, number) for name, count in deaths.items()]
     heard, died = [], []
-    with closing(Processes(2, lambda item, done, total: heard.append((item[0], done, total)))) as pool:
+
+    def hear(item, done, total) -> None:
+        heard.append((item[0], done, total))
+        item[1].with_suffix(".heard").touch()
+
+    with closing(Processes(2, hear)) as pool:
         ended = dict(run(_work, work, pool, lambda item, attempt: died.append((item[0], attempt))))
     assert {item[0] for item, outcome in ended.items() if isinstance(outcome, EmovidError)} == {"d"}
     assert sorted(died) == [("b", 1), ("b", 2), ("d", 1), ("d", 2)]
     tries = {name: len((tmp_path / name).read_text().splitlines()) for name in deaths}
     assert tries == {"a": 1, "b": 3, "c": 1, "d": 3, "e": 1}
     assert sorted(heard) == [(name, 1, 2) for name in "abce"]
+
+
+def test_a_worker_that_takes_over_is_heard_although_the_end_of_the_last_is_noticed_late() -> None:
+    slot, (last, its_end) = _Slot(), Pipe()
+    its_end.close()
+    with closing(Processes(1, lambda *_: None)) as pool:
+        pool._slots.append(slot)  # whose process is ended with the pool
+        slot.submit(_succeed, 1).result(60)
+        slot.hear(last, lambda *_: None)
+        assert slot.open_lines
+
+
+def _succeed(item, on_step) -> bool:
+    return True
 
 
 def _sleep(item: Path, on_step) -> None:

@@ -15,11 +15,11 @@ EMOVID = [sys.executable, "-m", "emovid"]
 LISTENING = (
     "import signal; signal.signal(signal.SIGINT, signal.default_int_handler);from emovid.cli.main import run; run()"
 )
-LONG = ["--size", "640x360", "--fps", "30", "--set", "duration=6"]
 
 
-def start(folder: Path, *arguments: str) -> "subprocess.Popen[str]":
-    command = [sys.executable, "-c", LISTENING, "render", *arguments, "-o", str(folder), *LONG]
+def start(folder: Path, seconds: int, *arguments: str) -> "subprocess.Popen[str]":
+    look = ["--size", "640x360", "--fps", "30", "--set", f"duration={seconds}"]
+    command = [sys.executable, "-c", LISTENING, "render", *arguments, "-o", str(folder), *look]
     return subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
 
 
@@ -42,11 +42,11 @@ def names(folder: Path) -> list[str]:
 @pytest.mark.parametrize("arguments", [["--emotion", "anger"], ["--all", "--jobs", "2"]], ids=["one", "all"])
 def test_an_interrupted_render_leaves_old_files_and_nothing_else(tmp_path, sent, code, arguments) -> None:
     (tmp_path / "anger.mp4").write_bytes(b"the old one")
-    process = start(tmp_path, *arguments)
+    process = start(tmp_path, 60, *arguments)
     wait_for_ffmpeg(process)
     os.killpg(process.pid, sent)  # as a terminal or a job scheduler does
     said = process.communicate(timeout=60)[1].splitlines()
-    assert process.returncode == code
+    assert process.returncode == code, said
     assert all(line.startswith("[") for line in said[: -1 if code == 130 else None]), said
     if code == 130:
         assert said[-1] == "interrupted: run again to make what is missing"
@@ -58,7 +58,7 @@ def test_an_interrupted_render_leaves_old_files_and_nothing_else(tmp_path, sent,
 
 
 def test_a_killed_worker_loses_its_video_and_another_makes_it(tmp_path) -> None:
-    process = start(tmp_path, "--all", "--jobs", "2")
+    process = start(tmp_path, 6, "--all", "--jobs", "2")
     running = wait_for_ffmpeg(process, count=2)
     os.kill(next(pid for pid, line in running.items() if "spawn_main" in line), signal.SIGKILL)
     _, said = process.communicate(timeout=120)

@@ -1,5 +1,6 @@
 import os
 import re
+import signal
 import subprocess
 import sys
 from itertools import combinations
@@ -8,6 +9,7 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 import pytest
+from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import to_rgb
@@ -192,6 +194,27 @@ def test_save_writes_what_the_name_says_and_nothing_else(tmp_path) -> None:
     with pytest.raises(InputError, match=r"\.pdf, \.png or \.svg"):
         save(confusion(), tmp_path / "a.jpeg")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.PNG", "a.pdf", "a.svg"]
+
+
+def test_a_signal_while_matplotlib_draws_is_no_error_of_matplotlib_s() -> None:
+    class Interrupted(Artist):
+        def draw(self, _) -> None:
+            try:
+                signal.raise_signal(signal.SIGTERM)
+            except SystemExit:  # as a compiled part would
+                raise ValueError from None
+
+    def end(*_):
+        raise SystemExit(143)
+
+    drawn = Figure()
+    drawn.add_artist(Interrupted())
+    before = signal.signal(signal.SIGTERM, end)
+    try:
+        with pytest.raises(SystemExit):
+            encoded(drawn, "png")
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def test_in_style_gives_the_settings_back_after_an_error() -> None:

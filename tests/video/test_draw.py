@@ -1,3 +1,5 @@
+import signal
+
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
@@ -231,6 +233,30 @@ def test_what_lies_below_does_not_shine_through_the_edge_of_a_robot(make_scene) 
 
 
 # --- overlays --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("moment", ["start", "frame"])
+def test_a_signal_while_agg_draws_is_no_error_of_agg_s(make_scene, monkeypatch, moment) -> None:
+    class Interrupted:
+        """A transform that Agg asks for its matrix, which is when a signal comes."""
+
+        def __array__(self, *_, **__):
+            signal.raise_signal(signal.SIGTERM)
+            return np.eye(3)
+
+    def end(*_):
+        raise SystemExit(143)
+
+    run = simulate(make_scene())
+    before = signal.signal(signal.SIGTERM, end)
+    try:
+        if moment == "frame":
+            painter = Painter(run)
+        monkeypatch.setattr("emovid.video.canvas._AS_IS", Interrupted())
+        with pytest.raises(SystemExit):
+            painter.frame(1.0) if moment == "frame" else Painter(run)
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def test_study_videos_have_no_overlays() -> None:

@@ -1,0 +1,72 @@
+"""Bars on a terminal: one for each item under way, in whatever order other threads say what happens."""
+
+import re
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from terminal import on_a_terminal
+
+from emovid.cli import progress
+from emovid.cli.progress import reporter
+
+
+@pytest.fixture(autouse=True)
+def _terminal(monkeypatch) -> None:
+    monkeypatch.setattr(progress, "is_interactive", lambda: True)
+
+
+def job(name: str) -> SimpleNamespace:
+    return SimpleNamespace(target=Path(name))
+
+
+def shown(report) -> dict[str, tuple[float, float | None]]:
+    return {str(task.description): (task.completed, task.total) for task in report.progress.tasks if task.visible}
+
+
+def test_there_is_a_bar_for_each_item_under_way_and_one_for_all(capsys) -> None:
+    with reporter(2, quiet=False) as report:
+        report.advanced(job("a.mp4"), 1, 4)
+        report.advanced(job("b.mp4"), 2, 4)
+        report.advanced(job("a.mp4"), 3, 4)
+        assert shown(report) == {"all": (0, 2), "a.mp4": (3, 4), "b.mp4": (2, 4)}
+        report.finished(job("a.mp4"), {"frames": 4}, made=True)
+        assert shown(report) == {"all": (1, 2), "b.mp4": (2, 4)}
+    assert "[1/2] a.mp4: 4 frames" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("end", ["finished", "failed"])
+def test_a_report_that_comes_after_the_end_brings_no_bar_back(end) -> None:
+    with reporter(2, quiet=False) as report:
+        report.advanced(job("a.mp4"), 1, 4)
+        report.finished(job("a.mp4"), {"frames": 4}, made=True) if end == "finished" else report.failed(job("a.mp4"))
+        report.advanced(job("a.mp4"), 4, 4)
+        assert "a.mp4" not in shown(report)
+
+
+def test_an_item_whose_worker_died_starts_again(capsys) -> None:
+    with reporter(2, quiet=False) as report:
+        report.advanced(job("a.mp4"), 3, 4)
+        report.died(job("a.mp4"), 1)
+        assert "a.mp4" not in shown(report)
+        report.advanced(job("a.mp4"), 1, 4)
+        assert shown(report)["a.mp4"] == (1, 4)
+    assert "a.mp4: its worker died, attempt 1; another takes over" in capsys.readouterr().err
+
+
+def test_one_item_needs_no_bar_for_all() -> None:
+    with reporter(1, quiet=False) as report:
+        report.advanced(job("a.mp4"), 1, 4)
+        assert list(shown(report)) == ["a.mp4"]
+
+
+def test_what_is_listed_is_named_beside_a_bar(tmp_path) -> None:
+    said = on_a_terminal("figures", "shapes", "densities", "-o", str(tmp_path), "--format", "pdf").decode()
+    assert "shapes" in said
+    assert "2/2" in said
+
+
+def test_what_is_counted_has_a_bar(tmp_path) -> None:
+    said = on_a_terminal("simulate", "sadness", "-o", str(tmp_path / "run.npz")).decode()
+    assert "run.npz" in said
+    assert re.search(r"(\d{3})/\1\b", said)
