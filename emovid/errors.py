@@ -4,8 +4,11 @@ Every error a user can cause is an `EmovidError`. Its text is the whole message,
 command line returns. They are caught once, in `emovid.cli.main`.
 """
 
+import sys
+import warnings
 from collections.abc import Iterable
 from difflib import get_close_matches
+from typing import TextIO
 
 
 class EmovidError(Exception):
@@ -41,3 +44,19 @@ def nearest(word: str, known: Iterable[str]) -> str:
     by_lower = {name.lower(): name for name in known}
     close = get_close_matches(word.lower(), by_lower, n=1, cutoff=0.6)
     return f" (did you mean {by_lower[close[0]]}?)" if close else ""
+
+
+def say_warnings_in_one_line() -> None:
+    """From now on, have warnings of this process said on stderr as errors are."""
+    warnings.showwarning = _show_warning
+
+
+def _show_warning(
+    message: Warning | str,
+    category: type[Warning],  # noqa: ARG001
+    filename: str,  # noqa: ARG001
+    lineno: int,  # noqa: ARG001
+    file: TextIO | None = None,
+    line: str | None = None,  # noqa: ARG001
+) -> None:
+    print(f"warning: {message}", file=file or sys.stderr)

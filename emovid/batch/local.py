@@ -13,6 +13,7 @@ from multiprocessing.connection import Connection, wait
 from typing import Any, NoReturn
 
 from emovid.batch.pool import Hear
+from emovid.errors import say_warnings_in_one_line
 from emovid.signals import blocked_signals, held_signals, unblock_signals
 
 _GRACE = 10.0  # seconds a process has to undo what it does
@@ -165,6 +166,7 @@ def _enter_worker(line: Connection) -> None:
     _line = line
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     unblock_signals()
+    say_warnings_in_one_line()
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 

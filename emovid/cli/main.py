@@ -4,8 +4,7 @@ import gc
 import os
 import signal
 import sys
-import warnings
-from typing import Annotated, NoReturn, TextIO
+from typing import Annotated, NoReturn
 
 import typer
 from typer.exceptions import TyperException
@@ -20,7 +19,7 @@ from emovid.cli.render import render
 from emovid.cli.simulate import simulate
 from emovid.cli.status import status, verify
 from emovid.cli.sweep import sweep
-from emovid.errors import EmovidError
+from emovid.errors import EmovidError, say_warnings_in_one_line
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -87,17 +86,6 @@ def _say(message: str, code: int) -> int:
     return code
 
 
-def _show_warning(
-    message: Warning | str,
-    category: type[Warning],  # noqa: ARG001
-    filename: str,  # noqa: ARG001
-    lineno: int,  # noqa: ARG001
-    file: TextIO | None = None,
-    line: str | None = None,  # noqa: ARG001
-) -> None:
-    print(f"warning: {message}", file=file or sys.stderr)
-
-
 def _on_sigterm(*_: object) -> NoReturn:
     raise SystemExit(143)
 
@@ -105,7 +93,7 @@ def _on_sigterm(*_: object) -> NoReturn:
 def run() -> NoReturn:
     """Run as a program, which a SIGTERM ends like a Ctrl-C: what is under way is undone."""
     signal.signal(signal.SIGTERM, _on_sigterm)
-    warnings.showwarning = _show_warning
+    say_warnings_in_one_line()
     # Commands are short. Threads that wait to help with larger matrices than ours would cost each 0.2 s; looking for
     # garbage, 0.05 s during imports and 0.1 s at the end, when all that is left goes anyway.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -3,6 +3,7 @@
 import os
 import signal
 import time
+import warnings
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing
 from multiprocessing import Pipe
@@ -148,6 +149,16 @@ def test_a_worker_that_takes_over_is_heard_although_the_end_of_the_last_is_notic
 
 def _succeed(item, on_step) -> bool:
     return True
+
+
+def test_a_worker_says_a_warning_in_one_line(capfd) -> None:
+    with closing(Processes(1, lambda *_: None)) as pool:
+        pool.submit(_warn, "mind the gap").result(60)
+    assert capfd.readouterr().err == "warning: mind the gap\n"
+
+
+def _warn(item: str, on_step) -> None:
+    warnings.warn(item, RuntimeWarning, stacklevel=1)
 
 
 def _sleep(item: Path, on_step) -> None:
