@@ -59,17 +59,17 @@ def build(
         participants: that get an order.
         seed: that all is drawn from; None: the one of the kit that is there, else a fresh secret.
         report: hears of progress.
-        force: make it again, even for another study or seed.
+        force: make it again, even for another study or seed, as long as nobody has answered.
 
     Raises:
-        InputError: if the folder holds something else, or a kit of another study or seed.
+        InputError: if the folder holds something else, a kit of another study or seed, or answers to such a one.
         EmovidError: if something cannot be written.
     """
     kit = KitFolder(folder)
     known = _known(kit)
     digest = loaded.digest()
-    if known and not force:
-        _check_same(kit, known, digest, seed)
+    if known:
+        _check_same(kit, known, digest, seed, force)
     chosen = seed if seed is not None else int(known["seed"]) if known else fresh_seed()
     stimuli = blinded(loaded, chosen)
     if known and force:
@@ -124,7 +124,7 @@ def _known(kit: KitFolder) -> dict[str, Any] | None:
     """Return what a kit that is there says of its making, None where there is nothing."""
     try:
         if kit.path.is_dir() and any(kit.path.iterdir()):
-            said = json.loads(kit.study.read_text())
+            said = json.loads(kit.study.read_text(encoding="utf-8"))
             return {"seed": int(said["seed"]), "digest": str(said["digest"])}
     except (OSError, ValueError, KeyError, TypeError):
         raise InputError(
@@ -135,10 +135,18 @@ def _known(kit: KitFolder) -> dict[str, Any] | None:
     return None
 
 
-def _check_same(kit: KitFolder, known: dict[str, Any], digest: str, seed: int | None) -> None:
-    if seed is not None and seed != known["seed"]:
+def _check_same(kit: KitFolder, known: dict[str, Any], digest: str, seed: int | None, force: bool) -> None:
+    """Refuse to make a kit of another study or seed; by force only where no answers would lose their key."""
+    other_seed = seed is not None and seed != known["seed"]
+    if not other_seed and digest == known["digest"]:
+        return
+    if force:
+        if any(kit.answers.glob("*.sqlite")):
+            message = "answers to the kit that is there; expected another folder for the new one, or these elsewhere"
+            raise InputError(f"{kit.answers}: {message}")
+    elif other_seed:
         raise InputError(f"{kit.path}: is a kit of another seed; expected that one, another folder, or --force")
-    if digest != known["digest"]:
+    else:
         message = "is a kit of another study, or of an earlier version of it; expected another folder, or --force"
         raise InputError(f"{kit.path}: {message}")
 
@@ -194,6 +202,7 @@ def _is_whole(video: Path, sha256: str | None, frames: int) -> bool:
 def _recorded(kit: KitFolder) -> dict[str, str]:
     """Return the SHA-256 of each video of a finished kit."""
     try:
-        return {video["code"]: video["sha256"] for video in json.loads(kit.manifest.read_text())["videos"]}
+        said = json.loads(kit.manifest.read_text(encoding="utf-8"))
+        return {video["code"]: video["sha256"] for video in said["videos"]}
     except (OSError, ValueError, KeyError, TypeError):
         return {}

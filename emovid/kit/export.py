@@ -1,11 +1,10 @@
 """A kit for the tools that labs already use: `emovid study export`."""
 
 import os
-import shutil
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from emovid.errors import EmovidError, InputError
+from emovid.errors import InputError
 from emovid.kit.exports.checklist import checklist
 from emovid.kit.exports.export import Files
 from emovid.kit.exports.jspsych import jspsych
@@ -47,11 +46,10 @@ def export(
         responses: exports of the survey, for the data set.
 
     Raises:
-        InputError: for a kit without orders, or responses that cannot be read.
+        InputError: for a kit without orders or videos, or responses that cannot be read.
         EmovidError: if something cannot be written.
     """
-    if not kit.orders:
-        raise InputError(f"{kit.folder.orders}: no such file; expected the orders of the kit")
+    kit.need_orders()
     answers = None
     if responses:
         mapping = kit.folder.map if kit.folder.map.is_file() else None
@@ -74,9 +72,10 @@ def _copied(kit: Kit, folder: Path) -> list[Path]:
             path.unlink()
     for target, source in targets.items():
         try:
-            with whole_file(target) as part:
-                shutil.copyfile(source, part)
-            os.utime(target, (TIME, TIME))
+            data = source.read_bytes()
         except OSError as error:
-            raise EmovidError(f"{target}: cannot be copied: {reason(error)}") from None
+            raise InputError(f"{source}: {reason(error)}; expected a video of the kit: build it again") from None
+        with whole_file(target) as part:
+            part.write_bytes(data)
+            os.utime(part, (TIME, TIME))
     return list(targets)

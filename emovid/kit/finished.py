@@ -12,9 +12,12 @@ from emovid.kit.model import Look
 from emovid.kit.secret import draw
 from emovid.scene.video import Video
 from emovid.video.canvas import Pixels
-from emovid.video.encode import count_frames, ffmpeg, write_video
+from emovid.video.encode import address, count_frames, ffmpeg, write_video
 from emovid.video.render import video_arguments
 
+# Of the first frame as it is shown, turned as the file says: width and height of a pixel, and of the picture.
+_SHOWN = re.compile(r"showinfo.* sar:(\d+)/(\d+) s:(\d+x\d+) ")
+_RATE = re.compile(r"Stream #.*Video:.*?([\d.]+) fps")
 _BLOCK = 16  # side [pixels] of the squares whose luma is one level off: one macroblock of H.264
 
 
@@ -22,18 +25,21 @@ def check_video(video: Path, look: Look) -> None:
     """Check that a finished video is like all others.
 
     Raises:
-        SceneError: if it is none, or has another size, frame rate or number of frames.
+        SceneError: if it is none, or has another size, frame rate or number of frames, or pixels that are not square.
     """
     if not video.is_file():
         raise SceneError(str(video), "", "no such file")
     found = count_frames(video)
-    said = subprocess.run(
-        [ffmpeg(), "-hide_banner", "-nostdin", "-i", str(video)], capture_output=True, text=True, check=False
-    ).stderr
-    stream = re.search(r"Stream #.*Video:.*?\b(\d{2,5}x\d{2,5})\b.*?([\d.]+) fps", said)
-    if not found or not stream:
+    command = [ffmpeg(), "-hide_banner", "-nostdin", "-i", address(video), "-map", "0:v:0", "-frames:v", "1"]
+    command += ["-vf", "showinfo", "-f", "null", "-"]
+    said = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False).stderr
+    shown, rate = _SHOWN.search(said), _RATE.search(said)
+    if not (found and shown and rate):
         raise SceneError(str(video), "", "cannot be decoded as a video")
-    given = f"{stream[1]}, {float(stream[2]):g} fps, {found} frames"
+    across, down, size = shown.groups()
+    if across not in ("0", down):  # 0: the file does not say, and players take them for square
+        raise SceneError(str(video), "", f"has pixels of {across}:{down}; expected square ones")
+    given = f"{size}, {float(rate[1]):g} fps, {found} frames"
     wanted = f"{look.size}, {look.fps} fps, {look.frames} frames"
     if given != wanted:
         raise SceneError(str(video), "", f"has {given}; expected {wanted}, as all videos of the study")
@@ -64,7 +70,7 @@ def grain(width: int, height: int, seed: int) -> Pixels:
 def _planes(video: Path, width: int, height: int, changed: Pixels) -> Iterator[Pixels]:
     """Yield the frames as yuv420p, each overwritten by the next."""
     conversion = "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+bitexact,format=yuv420p"
-    command = [ffmpeg(), "-v", "error", "-nostdin", "-i", str(video), "-an", "-vf", conversion]
+    command = [ffmpeg(), "-v", "error", "-nostdin", "-i", address(video), "-map", "0:v:0", "-vf", conversion]
     size = width * height * 3 // 2
     with subprocess.Popen([*command, "-f", "rawvideo", "-"], stdout=subprocess.PIPE) as process:
         assert process.stdout

@@ -50,6 +50,11 @@ class KitFolder:
         return self.path / "exports"
 
     @property
+    def answers(self) -> Path:
+        """What the survey recorded."""
+        return self.path / "answers"
+
+    @property
     def private(self) -> Path:
         """What nobody may see before the answers are in."""
         return self.path / "private"

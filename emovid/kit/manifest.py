@@ -4,9 +4,9 @@ import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import ValidationError
+from pydantic import Field, PositiveFloat, PositiveInt, ValidationError
 
 from emovid.errors import InputError
 from emovid.kit.folders import KitFolder
@@ -26,11 +26,11 @@ class Video(Keys):
     type: Literal["video/mp4"]
     bytes: int
     sha256: str
-    frames: int
-    fps: int
-    width: int
-    height: int
-    duration: float
+    frames: PositiveInt
+    fps: PositiveInt
+    width: PositiveInt
+    height: PositiveInt
+    duration: PositiveFloat
 
 
 class Answer(Keys):
@@ -73,7 +73,7 @@ class Manifest(Keys):
     participants: int
     videos_shown: int
     key_commitment: str
-    videos: tuple[Video, ...]
+    videos: Annotated[tuple[Video, ...], Field(min_length=1)]
 
     @property
     def codes(self) -> list[str]:

@@ -16,7 +16,9 @@ from emovid.study.labels import NONE, Labels, plain
 MAX_VIDEOS = 200
 _COMMON = ("video", "video.size", "video.fps", "video.format", "duration", "emotion")  # the study's to say
 _FACTS = ("video_code", "true_emotion", "source", "exemplar", "seed", "mirror", "half_turn", "turn")  # of a stimulus
-_TAKEN = (*FIRST, *RECORDED, "video_code", "signalled", "perceived")  # columns of the data
+_COLUMNS = (*FIRST, *RECORDED, "participant_id", "video_code", "signalled", "perceived")  # of the data
+_PAGES = ("consent", "instructions", "end")  # of exported surveys, each a question by this name
+_TAKEN = dict.fromkeys(_COLUMNS, "is a column of the answers") | dict.fromkeys(_PAGES, "is a page of the survey")
 
 SceneKeys = dict[str, Any]
 
@@ -137,8 +139,7 @@ def _faults(study: Study) -> Iterator[tuple[str, str]]:
     yield from _setting_faults(study)
     names = [item.name for item in study.demographics]
     for i, name in enumerate(names):
-        if name in names[:i] or name in _TAKEN:
-            why = "stands twice" if name in names[:i] else "is a column of the answers"
+        if why := "stands twice" if name in names[:i] else _TAKEN.get(name):
             yield f"demographics.{i}.name", f"{name!r} {why}: expected another name"
     if study.plan.rate * len(study.answers) <= 1:
         yield "plan.rate", f"{study.plan.rate:g}: expected more than chance, 1 in {len(study.answers)}"
@@ -176,10 +177,13 @@ def _label_faults(study: Study) -> Iterator[tuple[str, str]]:
         labels = Labels(list(study.labels))
     except StudyError as error:
         yield "labels", error.message
-        return
-    if labels.offers_none:
-        yield "labels", "'none' is no emotion: expected it as none_of_these"
-    texts = [plain(text) for text in study.answers.values()]
+    else:
+        if labels.offers_none:
+            yield "labels", "'none' is no emotion: expected it as none_of_these"
+    for label in study.labels:
+        if "|" in label or not label.isprintable():  # orders.csv has labels in one line, with | between them
+            yield "labels", f"{label!r}: expected a label in one line, without |"
+    words = {label: plain(text) or text for label, text in study.answers.items()}  # of an emoji plain leaves nothing
     for label, text in study.answers.items():
-        if texts.count(plain(text)) > 1:
+        if list(words.values()).count(words[label]) > 1:
             yield (f"labels.{label}" if label in study.labels else "none_of_these"), f"{text!r} stands twice"

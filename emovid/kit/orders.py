@@ -35,15 +35,26 @@ class Balance:
     pairs: NDArray[np.int64]
 
     @property
+    def places_range(self) -> tuple[int, int]:
+        """The least and the largest count in `places`."""
+        return _range(self.places)
+
+    @property
+    def pairs_range(self) -> tuple[int, int]:
+        """The least and the largest count in `pairs`, a video after itself left out."""
+        return _range(self.pairs[~np.eye(len(self.videos), dtype=bool)])
+
+    @property
     def places_spread(self) -> int:
         """The largest difference of two counts in `places`."""
-        return int(np.ptp(self.places)) if self.places.size else 0
+        least, most = self.places_range
+        return most - least
 
     @property
     def pairs_spread(self) -> int:
         """The largest difference of two counts in `pairs`, a video after itself left out."""
-        others = self.pairs[~np.eye(len(self.videos), dtype=bool)]
-        return int(np.ptp(others)) if others.size else 0
+        least, most = self.pairs_range
+        return most - least
 
 
 def presentation_orders(scheme: Scheme, videos: Sequence[str], participants: int, seed: int) -> list[Order]:
@@ -79,10 +90,13 @@ def largest_spread(scheme: Scheme, videos: int, participants: int) -> tuple[int 
     return int(part), pairs
 
 
-def balance_of(orders: Sequence[Sequence[str]], videos: Sequence[str], places: int | None = None) -> Balance:
-    """Return the balance of orders, of which some may be shorter than others: an empty text is a video not shown."""
+def balance_of(orders: Sequence[Sequence[str]], videos: Sequence[str], places: int = 0) -> Balance:
+    """Return the balance of orders, of which some may be shorter than others: an empty text is a video not shown.
+
+    The table of places has as many columns as the longest order has places, and `places` at least.
+    """
     number = {video: i for i, video in enumerate(videos)}
-    longest = max(map(len, orders), default=0) if places is None else places
+    longest = max([places, *map(len, orders)])
     at = np.zeros((len(videos), longest), dtype=np.int64)
     after = np.zeros((len(videos), len(videos)), dtype=np.int64)
     for order in orders:
@@ -106,13 +120,15 @@ def williams_square(n: int) -> list[list[int]]:
     return rows if n % 2 == 0 else [*rows, *(row[::-1] for row in rows)]
 
 
+def _range(counts: NDArray[np.int64]) -> tuple[int, int]:
+    return (int(counts.min()), int(counts.max())) if counts.size else (0, 0)
+
+
 def _halves(scheme: Scheme, n: int) -> list[list[list[int]]]:
     """Return a square in the parts that are used up one after the other, each with every video once in every place."""
-    match scheme:
-        case "random":
-            return [[list(range(n))]]
-        case "latin":
-            return [[[(place + i) % n for place in range(n)] for i in range(n)]]
-        case "williams":
-            rows = williams_square(n)
-            return [rows[i : i + n] for i in range(0, len(rows), n)]
+    if scheme == "random":
+        return [[list(range(n))]]
+    if scheme == "latin":
+        return [[[(place + i) % n for place in range(n)] for i in range(n)]]
+    rows = williams_square(n)
+    return [rows[i : i + n] for i in range(0, len(rows), n)]

@@ -45,6 +45,12 @@ class Kit:
         """The labels that videos may stand for."""
         return [answer.label for answer in self.manifest.choices.labels if answer.label != NONE]
 
+    def need_orders(self) -> None:
+        """Raise InputError if the kit has no orders."""
+        if not self.orders:
+            what = "a header alone" if self.folder.orders.exists() else "no such file"
+            raise InputError(f"{self.folder.orders}: {what}; expected the orders of the kit")
+
 
 def open_kit(path: Path, key: Path | None = None) -> Kit:
     """Return a finished kit.

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -81,7 +82,7 @@ def run_of(stimulus: Stimulus, seed: int) -> Trajectory:
     scene = stimulus.exemplar.scene
     assert scene is not None
     run = simulate(tinted(_reseeded(scene, stimulus.seed), seed))
-    if stimulus.turn and can_turn(run) and isinstance(scene.behaviour, ContourKeys):
+    if stimulus.turn and isinstance(scene.behaviour, ContourKeys):
         run = turned(run, stimulus.turn, (scene.behaviour.centre.x, scene.behaviour.centre.y))
     if stimulus.half_turn:
         run = turned(run, pi, (0.0, 0.0))
@@ -123,28 +124,36 @@ def _varied(code: str, item: Exemplar, vary: Vary, seed: int) -> Stimulus:
         seed=_run_seed(scene, code, seed) if vary.seed and isinstance(scene.start, AtRandom) else None,
         mirror=vary.mirror and can_mirror(scene) and (item.number % 2 == 1) != first,
         half_turn=vary.half_turn and can_half_turn(scene) and flip(seed, "half turn", code),
-        turn=_turn(scene.robots, code, seed) if vary.turn and isinstance(scene.behaviour, ContourKeys) else 0.0,
+        turn=_turn(scene, code, seed) if vary.turn and isinstance(scene.behaviour, ContourKeys) else 0.0,
     )
 
 
-def _turn(robots: int, code: str, seed: int) -> float:
-    """Return an angle [rad] that puts every robot well between two places where robots of the public scene are."""
-    places = draw(seed, "place", code) % robots
-    return 2 * pi * (places + 0.25 + share(seed, "turn", code) / 2) / robots
+def _turn(scene: Scene, code: str, seed: int) -> float:
+    """Return an angle [rad] that puts every robot well between two places where robots of the public scene are.
+
+    It is 0 for a run that cannot be turned.
+    """
+    if not _turns(scene):
+        return 0.0
+    places = draw(seed, "place", code) % scene.robots
+    return 2 * pi * (places + 0.25 + share(seed, "turn", code) / 2) / scene.robots
 
 
-def _run_seed(scene: Scene, code: str, seed: int) -> int:
+@cache  # exemplars of a scene share it
+def _turns(scene: Scene) -> bool:
+    return can_turn(simulate(scene))  # no seed matters to a run that can be turned
+
+
+def _run_seed(scene: Scene, code: str, seed: int, attempt: int = 0) -> int:
     """Return a seed for the run with which its random start finds room."""
-    for attempt in range(_ATTEMPTS):
-        found = draw(seed, "run", code, attempt) % 2**63
-        try:
-            check_start(_reseeded(scene, found))
-        except SceneError:
-            if attempt + 1 == _ATTEMPTS:
-                raise
-        else:
-            return found
-    raise AssertionError("unreachable")
+    found = draw(seed, "run", code, attempt) % 2**63
+    try:
+        check_start(_reseeded(scene, found))
+    except SceneError:
+        if attempt + 1 == _ATTEMPTS:
+            raise
+        return _run_seed(scene, code, seed, attempt + 1)
+    return found
 
 
 def _reseeded(scene: Scene, seed: int | None) -> Scene:

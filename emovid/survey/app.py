@@ -2,7 +2,6 @@
 
 from flask import Flask, Response, current_app, g, render_template, request
 from werkzeug.exceptions import Forbidden, HTTPException
-from werkzeug.wrappers import Response as WsgiResponse
 
 from emovid.kit.read import Kit
 from emovid.survey import codes, visit
@@ -62,10 +61,8 @@ def _secure(response: Response) -> Response:
     return response
 
 
-def _failed(error: Exception) -> tuple[str, int] | WsgiResponse:
+def _failed(error: Exception) -> tuple[str, int]:
     """Return a page that says what happened in the study's words, and nothing of the inside."""
-    if isinstance(error, HTTPException) and isinstance(error.response, WsgiResponse):  # sent elsewhere
-        return error.response
     code = (error.code if isinstance(error, HTTPException) else None) or 500
     if code >= 500:
         current_app.logger.error("a request failed", exc_info=error)

@@ -39,7 +39,8 @@ def withdraw() -> Reply:
     code = codes.normal(given)
     if not code or not survey().store.withdraw(codes.digest(code)):
         return render_template("withdraw.html", given=given, unknown=True), 404
-    visit.take(codes.fresh_code())
+    if code == g.code:
+        visit.take(codes.fresh_code())
     return render_template("message.html", text=survey().manifest.texts.withdrawn)
 
 

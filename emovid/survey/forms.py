@@ -1,6 +1,5 @@
 """What forms and reports of a page say, checked: nothing of them is believed that the page could not have sent."""
 
-import math
 import re
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -45,9 +44,7 @@ def screen_of(report: Mapping[str, Any]) -> Screen:
 
 def watched_of(report: Mapping[str, Any]) -> tuple[float, tuple[int, int]]:
     """Return the share of a video that a report claims, and the frames shown and dropped."""
-    share = report.get("share")
-    believable = float(share) if isinstance(share, int | float) and math.isfinite(share) else 0.0
-    return believable, (_count(report.get("frames")), _count(report.get("dropped")))
+    return _within(report.get("share"), 1.0), (_count(report.get("frames")), _count(report.get("dropped")))
 
 
 def _text(item: Item, given: str) -> str:
@@ -63,4 +60,9 @@ def _whole(given: str, most: int) -> int:
 
 
 def _count(value: Any) -> int:
-    return min(max(round(value), 0), _MOST) if isinstance(value, int | float) and math.isfinite(value) else 0
+    return round(_within(value, _MOST))
+
+
+def _within(value: Any, most: float) -> float:
+    """Return the number that is nearest to a value from 0 to the most; 0 for what is no number."""
+    return float(min(max(0, value), most)) if isinstance(value, int | float) else 0.0  # max(0, NaN) is 0

@@ -3,13 +3,14 @@
 from pathlib import Path
 
 from emovid.errors import InputError
+from emovid.kit.folders import KitFolder
 from emovid.kit.read import Kit, open_public
 from emovid.survey.store import Store
 
 
 def database_of(path: Path, *, pilot: bool) -> Path:
     """Return where the answers to a kit are; those of a pilot are in a file of their own."""
-    return path / "answers" / ("pilot.sqlite" if pilot else "answers.sqlite")
+    return KitFolder(path).answers / ("pilot.sqlite" if pilot else "answers.sqlite")
 
 
 def open_survey(path: Path, *, pilot: bool, begin: bool = False) -> tuple[Kit, Store]:
@@ -35,8 +36,7 @@ def open_survey(path: Path, *, pilot: bool, begin: bool = False) -> tuple[Kit, S
 
 
 def _check_whole(kit: Kit) -> None:
-    if not kit.orders:
-        raise InputError(f"{kit.folder.orders}: no such file; expected the orders of the kit")
+    kit.need_orders()
     for video in kit.manifest.videos:
         path = kit.folder.video(video.code)
         if not path.is_file() or path.stat().st_size != video.bytes:
@@ -46,4 +46,5 @@ def _check_whole(kit: Kit) -> None:
     known = set(kit.manifest.codes)
     for name, order in kit.orders.items():
         if not set(order) <= known:
-            raise InputError(f"{kit.folder.orders}: {name} has videos that the manifest has not; build the kit again")
+            message = f"{name} has videos that the manifest has not; expected the orders of this kit: build it again"
+            raise InputError(f"{kit.folder.orders}: {message}")

@@ -29,12 +29,12 @@ def consent() -> Reply:
     if survey().store.has_withdrawn(codes.digest(g.code)):  # a page from before that
         visit.take(codes.fresh_code())
         abort(403)
-    if visit.participant() is None and request.form.get("consent") == "agree":
-        _enrol()
     person = visit.participant()
+    if request.form.get("consent") == "agree":
+        return _to_current(person or _enrol())
     if person is None:
         return render_template("message.html", text=survey().manifest.consent.declined)
-    return _to_current(person)
+    return redirect(url_for("doors.ask_to_withdraw"), 303)  # agreed before, as in another tab
 
 
 @pages.get("/about")
@@ -119,11 +119,11 @@ def thanks() -> Reply:
     return render_template("thanks.html")
 
 
-def _enrol() -> None:
-    kit = survey().kit
+def _enrol() -> Participant:
+    kit, store, digest = survey().kit, survey().store, codes.digest(g.code)
     labels = tuple(answer.label for answer in kit.manifest.choices.labels)
     choices = {row: kit.choices.get(row, labels) for row in kit.orders}
-    survey().store.enrol(codes.digest(g.code), kit.orders, choices, kit.manifest.consent.version, survey().release)
+    return store.enrol(digest, kit.orders, choices, kit.manifest.consent.version, survey().release)
 
 
 def _allowed(step: Step) -> Participant:

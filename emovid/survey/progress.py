@@ -65,7 +65,6 @@ def progress_of(
     taken = Counter(person.order_row for person in done)
     shown = max((len(person.videos) for person in people), default=len(codes))
     balance = balance_of([person.videos for person in done], codes, shown)
-    pairs = [int(n) for i, row in enumerate(balance.pairs) for j, n in enumerate(row) if i != j]
     return SurveyProgress(
         finished=counts[FINISHED],
         in_progress=counts[UNDER_WAY],
@@ -73,6 +72,6 @@ def progress_of(
         withdrawn=withdrawn,
         answers=sum(len(person.answers) for person in people),
         rows={row: taken[row] for row in rows},
-        places=(int(balance.places.min()), int(balance.places.max())),
-        neighbours=(min(pairs, default=0), max(pairs, default=0)),
+        places=balance.places_range,
+        neighbours=balance.pairs_range,
     )

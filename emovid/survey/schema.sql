@@ -42,4 +42,4 @@ CREATE TABLE IF NOT EXISTS answers (                   -- one row for each chang
   given REAL NOT NULL
 ) STRICT;
 CREATE INDEX IF NOT EXISTS answers_of ON answers (participant, place);
-CREATE TABLE IF NOT EXISTS withdrawn (digest TEXT PRIMARY KEY, at REAL NOT NULL) STRICT;
+CREATE TABLE IF NOT EXISTS withdrawn (digest TEXT PRIMARY KEY) STRICT;

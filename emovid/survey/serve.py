@@ -3,8 +3,10 @@
 import logging
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
-from waitress.server import create_server
+from flask import Flask
+from waitress.server import MultiSocketServer, create_server
 
 from emovid.errors import EmovidError, InputError
 from emovid.survey.app import MOST_BYTES, create_app
@@ -37,8 +39,21 @@ def serve(
     kit, store = open_survey(path, pilot=pilot, begin=True)
     logging.getLogger("waitress.queue").setLevel(logging.ERROR)  # requests that wait for a thread are no fault
     try:
-        server = create_server(
-            create_app(kit, store, https=https, release=release),
+        server = _server(create_app(kit, store, https=https, release=release), host, port)
+        # A name of several addresses, as localhost can be, has a server for each.
+        several = isinstance(server, MultiSocketServer)
+        started(host, server.effective_listen[0][1] if several else server.effective_port)
+        server.run()
+        server.close()
+    finally:
+        store.close()
+
+
+def _server(app: Flask, host: str, port: int) -> Any:
+    """Return waitress's server, which listens already."""
+    try:
+        return create_server(
+            app,
             host=host,
             port=port,
             threads=_THREADS,
@@ -46,15 +61,11 @@ def serve(
             max_request_body_size=MOST_BYTES,
             max_request_header_size=_MOST_HEADER,
             channel_timeout=60,
+            asyncore_use_poll=True,  # select() ends the server at the 1024th open file, be it connection or video
             ident="emovid",
             clear_untrusted_proxy_headers=True,
         )
-        started(host, server.effective_port)
-        server.run()
-        server.close()
     except OSError as error:
         raise EmovidError(f"--host {host} --port {port}: {reason(error)}") from None
     except ValueError:  # no such name, as waitress says it
         raise InputError(f"--host {host}: not an address of this machine; expected one as in 127.0.0.1") from None
-    finally:
-        store.close()

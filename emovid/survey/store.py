@@ -38,8 +38,8 @@ class Store:
 
     def enrol(
         self, digest: str, orders: Mapping[str, Order], choices: Mapping[str, Order], version: str, release: float
-    ) -> None:
-        """Add a participant, unless there is one with this code.
+    ) -> Participant:
+        """Add a participant, unless there is one with this code; return who has it.
 
         Args:
             digest: of the participant's code.
@@ -60,6 +60,9 @@ class Store:
                 " (digest, order_row, videos, choices, consent_version, enrolled, seen) VALUES (?, ?, ?, ?, ?, ?, ?)",
                 (digest, row, json.dumps(orders[row]), json.dumps(choices[row]), version, now, now),
             )
+            person = participant_of(sql, digest)
+        assert person is not None  # added just now, if not before
+        return person
 
     def find(self, digest: str) -> Participant | None:
         """Return the participant with a code of this digest."""
@@ -85,13 +88,16 @@ class Store:
             sql.execute(change, (self.clock(), participant))
 
     def show(self, participant: int, place: int) -> None:
-        """Record when a video's page was shown first."""
+        """Record when a video's page was shown first, unless the participant has withdrawn meanwhile."""
+        shown = "INSERT OR IGNORE INTO views (participant, place, shown) SELECT id, ?, ? FROM participants WHERE id = ?"
         with self._data.writing() as sql:
-            values = (participant, place, self.clock())
-            sql.execute("INSERT OR IGNORE INTO views (participant, place, shown) VALUES (?, ?, ?)", values)
+            sql.execute(shown, (place, self.clock(), participant))
 
     def start_play(self, participant: int, place: int, play: str, screen: Screen) -> None:
-        """Record that a video has begun to play; the second report of one play says nothing new."""
+        """Record that a video has begun to play; the second report of one play says nothing new.
+
+        Nothing is recorded of who has withdrawn meanwhile.
+        """
         now, at = self.clock(), (participant, place)
         with self._data.writing() as sql:
             # After a clock was put back, who began before would wait for longer than a video lasts.
@@ -100,9 +106,9 @@ class Store:
             )
             sql.execute(
                 "INSERT OR IGNORE INTO plays (participant, place, play, started, device, width, height)"
-                " SELECT ?, ?, ?, ?, ?, ?, ?"
-                " WHERE (SELECT count(*) FROM plays WHERE participant = ? AND place = ?) < ?",
-                (*at, play, now, screen.device, screen.width, screen.height, *at, _MOST_PLAYS),
+                " SELECT id, ?, ?, ?, ?, ?, ? FROM participants"
+                " WHERE id = ? AND (SELECT count(*) FROM plays WHERE participant = ? AND place = ?) < ?",
+                (place, play, now, screen.device, screen.width, screen.height, participant, *at, _MOST_PLAYS),
             )
             _sign(sql, participant, now)
 
@@ -173,7 +179,7 @@ class Store:
         """Delete all of a participant, from the file and its log; return whether there is or was such a one."""
         with self._data.writing() as sql:
             if sql.execute("DELETE FROM participants WHERE digest = ?", (digest,)).rowcount:
-                sql.execute("INSERT OR IGNORE INTO withdrawn VALUES (?, ?)", (digest, self.clock()))
+                sql.execute("INSERT OR IGNORE INTO withdrawn VALUES (?)", (digest,))
         self._data.fold()
         return self.has_withdrawn(digest)
 

@@ -8,10 +8,11 @@ import struct
 from pathlib import Path
 
 import pytest
-from tiny import LABELS, STUDY, make_kit
+from tiny import LABELS, STUDY, make_kit, write_study
 
 from emovid.errors import InputError
 from emovid.kit.audit import audit
+from emovid.kit.export import export
 from emovid.kit.folders import set_times
 from emovid.kit.mp4 import boxes
 from emovid.kit.read import open_kit
@@ -215,6 +216,16 @@ def test_tags_in_a_video(kit) -> None:
     assert Found(kit) == {"metadata", "strings"}
 
 
+def test_a_name_of_the_track_and_a_box_of_another_program(kit) -> None:
+    video = a_video(kit)
+    data = video.read_bytes().replace(b"VideoHandler", b"crowd swarm!").replace(b"vmhd", b"gmhd")
+    replace_video(kit, video, data)
+    found = Found(kit)
+    assert "metadata" in found
+    assert f"metadata: videos/{video.name}: a name of the track\n" in found.text
+    assert f"metadata: videos/{video.name}: a box 'gmhd'\n" in found.text
+
+
 def test_a_date_in_a_video(kit) -> None:
     video = a_video(kit)
     data = bytearray(video.read_bytes())
@@ -265,6 +276,19 @@ def test_a_video_of_another_length_or_rate(kit, tmp_path, keys, check) -> None:
     assert {check, "alike"} <= Found(kit)
 
 
+def test_a_manifest_with_the_size_of_another_video(kit) -> None:
+    change_manifest(kit, lambda m: m["videos"][0].update(width=80))
+    found = Found(kit)
+    assert found == {"videos", "alike"}
+    assert "not 80x90 pixels large" in found.text
+
+
+def test_videos_of_which_none_is_a_video(kit) -> None:
+    for video in (kit / "public" / "videos").iterdir():
+        video.write_bytes(video.stem.encode())
+    assert {"metadata", "videos"} <= Found(kit)
+
+
 def test_a_copy_of_another_stimulus(kit) -> None:
     replace_video(kit, a_video(kit, "fear"), a_video(kit, "anger").read_bytes())
     assert Found(kit) == {"alike"}
@@ -313,6 +337,18 @@ def test_a_published_key_is_checked_without_the_private_folder(kit, tmp_path) ->
     assert Found(kit, key=published / "key.csv") == {"key"}
 
 
+def test_a_key_without_its_salt(kit) -> None:
+    (kit / "private" / "salt.txt").unlink()
+    assert "salt.txt: missing: without it nobody can check the key's commitment" in Found(kit).text
+
+
+def test_a_kit_without_its_orders(kit) -> None:
+    (kit / "orders.csv").unlink()
+    found = audit(kit)
+    assert [str(finding) for finding in found.findings] == ["orders: orders.csv: missing"]
+    assert found.orders is None
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -321,8 +357,9 @@ def test_a_published_key_is_checked_without_the_private_folder(kit, tmp_path) ->
         (lambda lines: [*lines[:-1], lines[-1][:7] + "zzzzzz"], "P012 sees zzzzzz, which is no video of the kit"),
         (lambda lines: lines[:7] * 1 + [f"P{i:03}{row[4:]}" for i in range(2, 13) for row in lines[1:7]],
          "counts of places differ by 12; williams orders by 0 at most"),
+        (lambda lines: [*lines, "P012,7" + lines[-1][6:]], "P012 sees 6 videos in 7 places, not 6"),
     ],
-    ids=["a video missing", "a participant missing", "an unknown code", "one order for all"],
+    ids=["a video missing", "a participant missing", "an unknown code", "one order for all", "a video twice"],
 )  # fmt: skip
 def test_orders_that_are_not_as_planned(kit, change, message) -> None:
     path = kit / "orders.csv"
@@ -354,6 +391,20 @@ def test_the_balance_that_dropouts_left(kit, tmp_path) -> None:
     assert left["places_most"] == 2
 
 
+def test_the_balance_of_answers_without_places_is_that_of_the_orders_where_these_say_who(kit, tmp_path) -> None:
+    code = open_kit(kit).orders["P001"][2]
+    (tmp_path / "responses.csv").write_text(f"participant,video,response\nP001,{code},fear\nsomebody,{code},fear\n")
+    left = audit(kit, responses=[tmp_path / "responses.csv"]).left
+    assert (left["participants"], left["complete"], left["answers_without_position"]) == (2, 0, 1)
+    assert left["places"][left["videos"].index(code)] == [0, 0, 1, 0, 0, 0]
+    (kit / "private").rename(tmp_path / "elsewhere")
+    with pytest.raises(
+        InputError, match=r"private/key\.csv: no such file; expected the key, to read the responses with"
+    ):
+        audit(kit, responses=[tmp_path / "responses.csv"])
+    assert audit(kit, tmp_path / "elsewhere" / "key.csv", [tmp_path / "responses.csv"]).left == left
+
+
 # --- what is reported, and what is no kit ----------------------------------------------------------------------------
 
 
@@ -379,14 +430,28 @@ def test_sizes_are_reported_by_what_is_needed(fresh) -> None:
             lambda kit: change_manifest(kit, lambda m: m.update(format="other")),
             "format: 'other': expected emovid kit 1",
         ),
+        (lambda kit: change_manifest(kit, lambda m: m["videos"].clear()), "videos: []: expected at least 1"),
+        (lambda kit: change_manifest(kit, lambda m: m["videos"][0].update(duration=0)), "expected more than 0"),
         (lambda kit: (kit / "orders.csv").write_text("a,b\n1,2\n"), "orders.csv:2: expected participant,position"),
+        (lambda kit: (kit / "orders.csv").write_bytes(b"participant\xff\n"), "orders.csv: not CSV; expected partic"),
+        (lambda kit: (kit / "orders.csv").unlink() or (kit / "orders.csv").mkdir(), "orders.csv: cannot be read: is"),
         (lambda kit: (kit / "private/study.json").write_text("{}"), "study.json: not the study of a kit"),
         (lambda kit: (kit / "private/key.csv").write_text("a\n"), "key.csv:1: no column video_code"),
     ],
-    ids=["folder", "no manifest", "no json", "a list", "no question", "format", "orders", "study", "key"],
-)
+    ids=["folder", "no manifest", "no json", "a list", "no question", "format", "no videos", "no duration", "orders",
+         "orders in Latin-1", "orders a folder", "study", "key"],
+)  # fmt: skip
 def test_what_is_no_kit_is_one_line(kit, spoil, message) -> None:
     spoil(kit)
     with pytest.raises(InputError, match=r".") as caught:
         audit(kit)
     assert message in str(caught.value)
+
+
+def test_a_finished_video_called_by_a_number_makes_no_place_a_hint(fresh, tmp_path) -> None:
+    folder = write_study(tmp_path / "study", STUDY.replace("scene: anger", "video: 1.mp4\n    emotion: anger"))
+    shutil.copy(a_video(fresh), folder / "1.mp4")
+    make_kit(tmp_path, (folder / "study.yaml").read_text())
+    kit = tmp_path / "kit"
+    export(open_kit(kit), "psychopy")
+    assert [str(finding) for finding in audit(kit).findings] == []

@@ -1,6 +1,8 @@
 import csv
+import errno
 import hashlib
 import json
+import os
 import re
 import stat
 from pathlib import Path
@@ -8,11 +10,11 @@ from pathlib import Path
 import pytest
 from tiny import LABELS, SEED, STUDY, Silent, make_kit, write_study
 
-from emovid.errors import InputError
+from emovid.errors import EmovidError, InputError, SceneError
 from emovid.kit.build import build
 from emovid.kit.load import load_study
 from emovid.kit.orders import balance_of
-from emovid.kit.secret import is_code
+from emovid.kit.secret import draw, is_code
 from emovid.kit.stimuli import blinded, run_of, tinted
 from emovid.scene.load import load_scene
 from emovid.study.key import read_key
@@ -162,6 +164,37 @@ def test_no_run_is_that_of_the_public_scene_nor_that_of_another_kit(tmp_path) ->
         assert abs(first - second).max() > 0.01
 
 
+def test_a_ring_whose_robots_start_at_random_is_not_turned_and_no_turn_is_listed(tmp_path) -> None:
+    text = STUDY.replace("scene: happiness", "scene: happiness\n    set: {start: {place: stage}}")
+    found = {item.exemplar.emotion: item for item in blinded(load_study(write_study(tmp_path, text)), SEED)}
+    assert found["surprise"].turn != 0.0 != found["sadness"].turn
+    assert found["happiness"].facts()["turn"] == 0.0
+    assert found["happiness"].seed is not None
+
+
+def test_a_random_start_without_room_is_drawn_again_and_not_for_ever(tmp_path, monkeypatch) -> None:
+    loaded = load_study(write_study(tmp_path))
+    tried = []
+
+    def refused_until(most: int):
+        def check(scene) -> None:
+            tried.append(scene.seed)
+            if len(tried) < most:
+                raise SceneError("", "robots", "do not fit")
+
+        return check
+
+    monkeypatch.setattr("emovid.kit.stimuli.check_start", refused_until(4))
+    stimuli = blinded(loaded, SEED)
+    (item,) = (item for item in stimuli if item.seed == tried[3])
+    assert tried[:4] == [draw(SEED, "run", item.code, attempt) % 2**63 for attempt in range(4)]
+    tried.clear()
+    monkeypatch.setattr("emovid.kit.stimuli.check_start", refused_until(10**6))
+    with pytest.raises(SceneError, match="do not fit"):
+        blinded(loaded, SEED)
+    assert len(set(tried)) == len(tried) == 50
+
+
 def test_colours_are_within_one_level_and_alike_in_all_videos_of_a_kit(make_scene) -> None:
     plain, other = make_scene("anger"), make_scene("fear")
     one, two = tinted(plain, SEED).video.palette, tinted(other, SEED).video.palette
@@ -287,6 +320,28 @@ def test_force_makes_another_kit_and_leaves_nothing_of_the_old_one(kit, fresh, t
     built = make_kit(tmp_path, STUDY.replace("Thank you.", "Thanks."), seed=SEED + 1, force=True)
     assert codes_in(kit) == list(built.codes)
     assert not set(codes_in(kit)) & set(codes_in(fresh))
+
+
+def test_a_folder_that_cannot_be_made_private_gets_no_key(tmp_path, monkeypatch) -> None:
+    def refuse(*_: object) -> None:
+        raise OSError(errno.EPERM, os.strerror(errno.EPERM))
+
+    monkeypatch.setattr(Path, "chmod", refuse)
+    with pytest.raises(EmovidError, match="kit/private: cannot be made private: operation not permitted"):
+        make_kit(tmp_path)
+    assert files(tmp_path / "kit") == {}
+
+
+@pytest.mark.parametrize("how", [{"seed": 5}, {"text": STUDY.replace("Thank you.", "Thanks.")}], ids=["seed", "study"])
+def test_a_kit_that_somebody_has_answered_keeps_its_key_even_against_force(kit, fresh, tmp_path, how) -> None:
+    (kit / "answers").mkdir()
+    (kit / "answers" / "answers.sqlite").write_bytes(b"")
+    with pytest.raises(InputError, match=r"kit/answers: answers to the kit that is there; expected another folder"):
+        make_kit(tmp_path, **{"seed": None, "force": True, **how})
+    assert files(kit) == files(fresh) | {"answers/answers.sqlite": hashlib.sha256(b"").hexdigest()}
+    (kit / "public" / "videos" / f"{codes_in(kit)[0]}.mp4").write_bytes(b"")
+    make_kit(tmp_path, seed=None, force=True)  # of the same study and seed
+    assert files(kit / "public") == files(fresh / "public")
 
 
 @pytest.mark.parametrize("force", [False, True])

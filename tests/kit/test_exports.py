@@ -6,6 +6,7 @@ import json
 import re
 from itertools import takewhile
 from pathlib import Path
+from typing import Any
 
 import pytest
 from tiny import LABELS, STUDY, make_kit
@@ -15,6 +16,7 @@ from emovid.kit.audit import audit
 from emovid.kit.export import TOOLS, export
 from emovid.kit.exports.facts import OPEN
 from emovid.kit.read import Kit, open_kit
+from emovid.study.analyze import analyze
 from emovid.study.power import plan
 from emovid.study.read import read_responses
 
@@ -36,7 +38,9 @@ def greek(tmp_path_factory) -> Kit:
     """Make a kit in another language, and export it for every tool."""
     folder = tmp_path_factory.mktemp("greek")
     labels = STUDY[STUDY.index("labels") : STUDY.index("stimuli")]
-    text = STUDY.replace(labels, GREEK).replace("You can stop at any time.", '"One </script> line.\\n\\nTwo & more."')
+    text = STUDY.replace(labels, GREEK).replace(
+        "You can stop at any time.", '"One </script> <!-- <script> line.\\n\\nTwo & more."'
+    )
     make_kit(folder, text)
     kit = open_kit(folder / "kit")
     for tool in TOOLS:
@@ -89,9 +93,10 @@ def test_videos_go_along_as_they_are(greek, tool) -> None:
 
 def test_the_jspsych_page_has_its_data_and_nothing_of_jspsych(greek) -> None:
     page = written(greek, "jspsych", "index.html")
-    assert page.count("</script>") == page.count("<script")  # no text of the study ends the data early
-    data = json.loads(re.search(r'id="kit">(.*?)</script>', page, re.DOTALL)[1])
-    assert data["consent"]["text"] == "One </script> line.\n\nTwo & more."
+    text = re.search(r'id="kit">(.*?)</script>', page, re.DOTALL)[1]
+    assert "<" not in text  # </script> ends the data early, <!-- <script> late
+    data = json.loads(text)
+    assert data["consent"]["text"] == "One </script> <!-- <script> line.\n\nTwo & more."
     assert data["preload"] == [f"videos/{code}.mp4" for code in greek.manifest.codes]
     assert {name: tuple(order) for name, order in data["orders"].items()} == greek.orders
     assert '<html lang="el">' in page
@@ -230,6 +235,72 @@ def test_the_data_set_is_one_by_psych_ds_before_and_after_the_study(greek, tmp_p
     assert all(greek.orders[row["participant_id"]][int(row["position"]) - 1] == row["video_code"] for row in answers)
 
 
+def test_answers_without_places_and_with_groups_of_any_name_are_in_the_data_set(kit, tmp_path) -> None:
+    codes = open_kit(kit).manifest.codes
+    rows = [["P001", code, "fear", "=1+1", ""] for code in codes] + [["P002", codes[0], "anger", "", "yes"]]
+    path = table(tmp_path / "answers.csv", ["participant", "video", "response", "country", "choices"], rows)
+    export(open_kit(kit), "psych-ds", tmp_path / "set", responses=[path])
+    is_psych_ds(tmp_path / "set")
+    (data,) = (tmp_path / "set" / "data").glob("*responses*")
+    with data.open() as file:
+        found = list(csv.DictReader(file))
+    assert {row["position"] for row in found} == {""}
+    assert {(row["participant_id"], row["country"]) for row in found} == {("P001", "'=1+1"), ("P002", "")}
+    assert "nan" not in data.read_text()
+
+
+def test_the_last_page_has_the_completion_code_and_the_way_back(tmp_path) -> None:
+    said = 'thanks: {text: Thank you., code: "C0DE <1>", link: "https://example.org/?a=1&b=2"}'
+    make_kit(tmp_path, STUDY.replace("duration: 1}", "duration: 0.2}").replace("thanks: {text: Thank you.}", said))
+    kit = open_kit(tmp_path / "kit")
+    page = (
+        "<p>Thank you.</p><p>Your completion code: C0DE &lt;1&gt;</p>"
+        '<p><a href="https://example.org/?a=1&amp;b=2">Return to the recruitment service</a></p>'
+    )
+    for tool in ("qualtrics", "limesurvey"):
+        export(kit, tool)
+        assert page in written(kit, tool, "survey.txt").replace('""', '"')
+
+
+def test_a_line_of_text_and_no_questions_at_all_are_exported_too(tmp_path) -> None:
+    about = STUDY[STUDY.index("demographics:") : STUDY.index("consent:")]
+    line = 'demographics:\n  - {name: home_country, question: "Where do you live?", required: false}\n'
+    short = STUDY.replace("duration: 1}", "duration: 0.2}")
+    for name, text in (("line", short.replace(about, line)), ("none", short.replace(about, ""))):
+        make_kit(tmp_path / name, text)
+        kit = open_kit(tmp_path / name / "kit")
+        export(kit, "limesurvey")
+        export(kit, "qualtrics")
+        rows = list(csv.DictReader(io.StringIO(written(kit, "limesurvey", "survey.txt")), delimiter="\t"))
+        asked = {row["name"]: row for row in rows if row["class"] == "Q"}
+        blocks = re.findall(r"^\[\[Block:(.*)\]\]$", written(kit, "qualtrics", "survey.txt"), re.MULTILINE)
+        if name == "line":
+            question = asked["homecountry"]
+            assert (question["type/scale"], question["mandatory"], question["text"]) == ("S", "N", "Where do you live?")
+            assert "[[Question:TE:SingleLine]]\n[[ID:home_country]]" in written(kit, "qualtrics", "survey.txt")
+        else:
+            assert set(asked) == {"consent", "instructions", *kit.manifest.codes}
+            assert blocks == ["Consent", "Instructions", *kit.manifest.codes, "End"]
+
+
+def test_the_checklist_names_a_forced_choice_as_a_limit(fresh, tmp_path, greek) -> None:
+    assert '"None of these" was offered.' in written(greek, "checklist", "checklist.md")
+    export(open_kit(fresh), "checklist", tmp_path)
+    assert '"None of these" was not offered: a forced choice' in (tmp_path / "checklist.md").read_text()
+
+
+def test_videos_of_one_s_own_stay_beside_exported_ones_and_a_video_that_is_missing_is_one_line(kit) -> None:
+    own = kit / "exports" / "jspsych" / "videos" / "practice.mp4"
+    own.parent.mkdir(parents=True)
+    own.write_bytes(b"mine")
+    export(open_kit(kit), "jspsych")
+    assert own.read_bytes() == b"mine"
+    gone = sorted((kit / "public" / "videos").iterdir())[0]
+    gone.unlink()
+    with pytest.raises(InputError, match=rf"public/videos/{gone.name}: no such file or directory; expected a video"):
+        export(open_kit(kit), "jspsych")
+
+
 def test_the_preregistration_says_what_the_kit_knows(greek) -> None:
     text = written(greek, "prereg", "preregistration.md")
     found = plan(0.5, 7, 6)
@@ -239,6 +310,24 @@ def test_the_preregistration_says_what_the_kit_knows(greek) -> None:
     assert greek.manifest.key_commitment in text
     assert not [code for code in greek.manifest.codes if code in text]
     assert text.count(OPEN) == 4  # the sentence about it, data so far, stopping rule, recruitment
+
+
+def test_exemplars_of_an_emotion_are_one_test_of_the_plan_and_of_the_preregistration(tmp_path) -> None:
+    make_kit(tmp_path, STUDY.replace("duration: 1}", "duration: 0.2}") + "exemplars: 2\n")
+    kit = open_kit(tmp_path / "kit")
+    path = export(kit, "prereg")[0]
+    text = " ".join(path.read_text().split())
+    assert "12 videos, 2 exemplars of each" in text
+    assert "corrected for 6 emotions by Holm's method" in text
+    assert f"Holm's correction: {0.05 / 6:.4g}) needs {plan(0.5, 6, 6).n}:" in text
+    assert len(analyzed(kit, tmp_path)["recognition"]) == 6  # as is said
+
+
+def analyzed(kit: Kit, folder: Path) -> dict[str, Any]:
+    """Return the results of a study in which everybody answers the truth."""
+    rows = [[who, code, str(i), kit.key[code]] for who, order in kit.orders.items() for i, code in enumerate(order, 1)]
+    path = table(folder / "answers.csv", ["participant", "video", "position", "response"], rows)
+    return analyze(read_responses(path, key=kit.folder.key))
 
 
 def test_the_checklist_ticks_what_is_known_and_no_more(greek) -> None:
@@ -260,11 +349,15 @@ def test_what_is_not_known_is_left_to_do(fresh, tmp_path) -> None:
 
 
 def test_exports_need_the_orders_and_the_study(kit) -> None:
-    (kit / "private" / "study.json").unlink()
-    with pytest.raises(InputError, match="expected the kit's private folder, with its study"):
-        export(open_kit(kit), "prereg")
+    for name in ("key.csv", "study.json"):
+        (kit / "private" / name).unlink()
+        with pytest.raises(InputError, match=f"{name}: no such file; expected the kit's private folder"):
+            export(open_kit(kit), "prereg")
+    (kit / "orders.csv").write_text("participant,position,video_code\n")
+    with pytest.raises(InputError, match=r"orders\.csv: a header alone; expected the orders of the kit"):
+        export(open_kit(kit), "jspsych")
     (kit / "orders.csv").unlink()
-    with pytest.raises(InputError, match="expected the orders of the kit"):
+    with pytest.raises(InputError, match=r"orders\.csv: no such file; expected the orders of the kit"):
         export(open_kit(kit), "jspsych")
 
 

@@ -139,6 +139,42 @@ def test_what_a_stimulus_sets_goes_before_what_a_level_and_the_study_set(tmp_pat
     assert (items["anger", "few"].seed, items["anger", "many"].seed) == (5, 6)
 
 
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [("participant_id", "is a column of the answers"), ("consent", "is a page of the survey"),
+     ("end", "is a page of the survey")],
+)  # fmt: skip
+def test_a_question_has_a_name_that_no_export_needs(tmp_path, name, why) -> None:
+    with pytest.raises(EmovidError, match=f"study.yaml:14: demographics.0.name: '{name}' {why}: expected another name"):
+        load_study(write_study(tmp_path, changed(("name: gender", f"name: {name}"))))
+
+
+def test_answers_may_be_emoji(tmp_path) -> None:
+    texts = {"Happiness": "😀", "Anger": "😠"}
+    study = load_study(write_study(tmp_path, changed(*((f": {old}", f": {new}") for old, new in texts.items())))).study
+    assert (study.answers["happiness"], study.answers["anger"]) == ("😀", "😠")
+    with pytest.raises(EmovidError, match="'😀' stands twice"):
+        load_study(write_study(tmp_path, changed((": Happiness", ": 😀"), (": Anger", ": 😀"))))
+
+
+def test_a_finished_video_has_no_keys_of_a_scene(tmp_path) -> None:
+    text = changed(("scene: anger", "video: mine.mp4\n    emotion: anger\n    set: {robots: 3}"))
+    with pytest.raises(EmovidError, match=r"stimuli\.2\.set: a finished video has no keys to set"):
+        load_study(write_study(tmp_path, text))
+
+
+def test_a_file_too_large_for_a_study_is_not_read(tmp_path) -> None:
+    (tmp_path / "study.yaml").write_text("# " + 2_000_000 * "x" + "\n")
+    with pytest.raises(EmovidError, match=r"study\.yaml: too large for a study"):
+        load_study(tmp_path)
+
+
+def test_a_label_of_two_lines_is_refused(tmp_path) -> None:
+    text = changed(("{happiness: Happiness", '{"happi\\nness": Happiness'), ("scene: happiness", "scene: fear"))
+    with pytest.raises(EmovidError, match=r"study.yaml:3: labels: 'happi\\nness': expected a label in one line"):
+        load_study(write_study(tmp_path, text))
+
+
 def test_a_file_that_is_no_text_is_refused(tmp_path) -> None:
     (tmp_path / "study.yaml").write_bytes(b"title: \xff\xfe")
     with pytest.raises(EmovidError, match=r"study.yaml:1: not UTF-8 text"):

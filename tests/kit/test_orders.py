@@ -84,3 +84,8 @@ def test_balance_counts_what_dropouts_left() -> None:
 def test_no_videos_and_no_orders_have_a_balance_too() -> None:
     assert balance_of([], "ab", 2).places.tolist() == [[0, 0], [0, 0]]
     assert np.array_equal(balance_of([("a",)], "a").places, [[1]])
+    assert balance_of([], "a").pairs_range == balance_of([], "").places_range == (0, 0)
+
+
+def test_an_order_with_more_places_than_planned_has_a_balance_too() -> None:
+    assert balance_of([("a", "b", "a"), ("b",)], "ab", 2).places.tolist() == [[1, 0, 1], [1, 1, 0]]

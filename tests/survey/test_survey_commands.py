@@ -60,9 +60,9 @@ def test_what_was_answered_is_what_the_analysis_counts(capsys) -> None:
 
 def test_the_export_holds_codes_and_no_label_of_a_video(capsys) -> None:
     take_part([["fear"] * 6])
-    assert main(["study", "responses", "kit", "-o", "out.csv", "-q"]) == 0
+    assert main(["study", "responses", "kit", "-o", "new/out.csv", "-q"]) == 0
     assert capsys.readouterr().err == ""
-    text = Path("out.csv").read_text()
+    text = Path("new/out.csv").read_text()
     without = text.replace("fear", "").replace(open_kit(Path("kit")).orders["P001"][0], "")
     for row in csv.DictReader(text.splitlines()):
         without = without.replace(row["choices"].replace("fear", ""), "")
@@ -151,11 +151,22 @@ def test_a_code_that_nobody_has_deletes_nothing(capsys) -> None:
     assert "6 answers" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("what", ["orders", "video", "video of another size", "another kit's answers"])
+def test_progress_without_the_orders_is_one_line(capsys) -> None:
+    take_part([["fear"] * 6])
+    Path("kit/orders.csv").unlink()
+    assert main(["study", "progress", "kit"]) == 2
+    assert capsys.readouterr().err == "kit/orders.csv: no such file; expected the orders of the kit\n"
+
+
+@pytest.mark.parametrize(
+    "what", ["orders", "orders of another kit", "video", "video of another size", "another kit's answers"]
+)
 def test_a_kit_that_is_not_whole_is_not_served(what, capsys) -> None:
     video = next(Path("kit/public/videos").iterdir())
     if what == "orders":
         Path("kit/orders.csv").unlink()
+    elif what == "orders of another kit":
+        Path("kit/orders.csv").write_text(Path("kit/orders.csv").read_text().replace(video.stem, "bbbbbb"))
     elif what == "video":
         video.unlink()
     elif what == "video of another size":
@@ -169,6 +180,34 @@ def test_a_kit_that_is_not_whole_is_not_served(what, capsys) -> None:
     out, err = capsys.readouterr()
     assert (out, err.count("\n")) == ("", 1)
     assert "expected" in err
+
+
+# A name with two addresses, as localhost has where there is IPv6; and more open files than select() can tell apart.
+ODD = """
+import os, resource, socket, sys
+from emovid.__main__ import run
+first = socket.getaddrinfo("127.0.0.1", 0, 0, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+socket.getaddrinfo = lambda *_: 2 * first
+limits = resource.getrlimit(resource.RLIMIT_NOFILE)
+resource.setrlimit(resource.RLIMIT_NOFILE, (min(2000, limits[1]), limits[1]))
+kept = [os.open(os.devnull, os.O_RDONLY) for _ in range(1100)]
+sys.argv = ["emovid", "study", "serve", "kit", "--host", "localhost", "--port", "0", "--quiet"]
+run()
+"""
+
+
+def test_a_name_of_two_addresses_and_many_open_files_are_served() -> None:
+    with subprocess.Popen([sys.executable, "-c", ODD], stderr=subprocess.PIPE, text=True) as server:
+        try:
+            address = re.match(r"http://localhost:(\d+)/: survey of ", said := server.stderr.readline())
+            assert address, said + server.stderr.read()
+            with urllib.request.urlopen(f"http://127.0.0.1:{address[1]}/") as reply:
+                assert "I agree and want to take part" in reply.read().decode()
+        finally:
+            server.terminate()
+            left = server.stderr.read()
+    assert left == ""
+    assert server.returncode == 0
 
 
 def test_the_server_says_where_it_is_answers_and_ends_on_a_signal(kit) -> None:

@@ -73,6 +73,16 @@ def test_who_declines_leaves_nothing(visitor, store) -> None:
     assert someone.get("/about").location == "/resume"
 
 
+def test_who_declines_after_agreeing_in_another_tab_is_asked_whether_to_delete_all(visitor, store) -> None:
+    someone = visitor()
+    declining_tab = someone.token
+    someone.begin()
+    reply = someone.client.post("/consent", data={"form-token": declining_tab, "consent": "decline"})
+    assert reply.location == "/withdraw"
+    assert readable(someone.cookie) in someone.get("/withdraw").text
+    assert len(store.participants()) == 1  # until they say so
+
+
 def test_consent_that_is_given_twice_enrols_once(visitor, store, opened) -> None:
     someone = visitor()
     token = someone.token
@@ -253,6 +263,13 @@ def test_withdrawal_deletes_and_every_later_step_says_so(visitor, store, opened)
     assert "I agree" in tab.get("/").text
     assert tab.post("/consent", consent="agree").location == "/about"
     assert other.get("/").location == "/thanks"
+
+
+def test_who_deletes_the_answers_of_another_code_keeps_the_own(visitor, store) -> None:
+    earlier, someone = visitor().go_through(SIX), visitor().go_through(SIX[:2], submit=False)
+    assert "Your answers were deleted" in someone.post("/withdraw", code=earlier.cookie).text
+    assert someone.get("/").location == "/video/3"
+    assert [person.order_row for person, _ in store.participants()] == ["P002"]
 
 
 def test_the_next_person_at_the_same_computer_is_another_participant(visitor, store) -> None:

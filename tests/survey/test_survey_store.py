@@ -160,8 +160,17 @@ def test_withdrawal_leaves_nothing_in_any_file_and_no_number_is_given_again(smal
     with small._data.reading() as sql:
         tables = ("participants", "views", "plays", "answers")
         assert [sql.execute(f"SELECT * FROM {table}").fetchall() for table in tables] == [[]] * 4  # noqa: S608
+        assert sql.execute("SELECT * FROM withdrawn").fetchall() == [(digest("code"),)]  # and not when
     assert enrolled(small, "next").id == person.id + 1
     assert b"Liechtenstein" not in b"".join(file.read_bytes() for file in (tmp_path / "small").iterdir())
+
+
+def test_what_a_page_of_who_has_withdrawn_meanwhile_reports_is_not_recorded(small) -> None:
+    person = enrolled(small)
+    small.withdraw(digest("code"))
+    assert not watched(small, person, 1)
+    with small._data.reading() as sql:
+        assert sql.execute("SELECT * FROM views, plays").fetchall() == []
 
 
 def test_a_copy_made_while_it_runs_holds_all_that_was_recorded(small, tmp_path, clock) -> None:
@@ -178,7 +187,7 @@ def test_a_copy_made_while_it_runs_holds_all_that_was_recorded(small, tmp_path, 
 def test_a_failed_change_is_undone_as_a_whole(small) -> None:
     def change() -> None:
         with small._data.writing() as sql:
-            sql.execute("INSERT INTO withdrawn VALUES ('x', 1)")
+            sql.execute("INSERT INTO withdrawn VALUES ('x')")
             raise KeyError
 
     with pytest.raises(KeyError):

@@ -24,7 +24,8 @@ class Hints:
         for stimulus in kit.study.stimuli if kit.study else ():
             name = plain((stimulus.scene or stimulus.video or "").rsplit("/", 1)[-1].rsplit(".", 1)[0])
             words.setdefault(name, stimulus.emotion or name)
-        self._words = {word: label for word, label in words.items() if word and label != NONE}
+        # A number, as of 3.mp4, tells nothing: places and sizes are numbers, too.
+        self._words = {word: label for word, label in words.items() if label != NONE and re.search(r"[^\W\d]", word)}
         self.labels = frozenset(kit.labels)
 
     def in_text(self, text: str) -> set[str]:

@@ -78,13 +78,13 @@ def left_balance(kit: Kit, responses: Responses) -> dict[str, Any]:
 
 def _summary(orders: Sequence[Sequence[str]], kit: Kit) -> dict[str, Any]:
     balance = balance_of(orders, kit.manifest.codes, kit.manifest.videos_shown)
-    off = [int(n) for i, row in enumerate(balance.pairs) for j, n in enumerate(row) if i != j]
+    (places_least, places_most), (pairs_least, pairs_most) = balance.places_range, balance.pairs_range
     return {
         "videos": list(balance.videos),
         "places": balance.places.tolist(),
         "neighbours": balance.pairs.tolist(),
-        "places_least": int(balance.places.min()),
-        "places_most": int(balance.places.max()),
-        "neighbours_least": min(off, default=0),
-        "neighbours_most": max(off, default=0),
+        "places_least": places_least,
+        "places_most": places_most,
+        "neighbours_least": pairs_least,
+        "neighbours_most": pairs_most,
     }

@@ -16,7 +16,7 @@ from emovid.scene.load import Setting, load_scene
 from emovid.swarm.simulate import simulate
 from emovid.video.canvas import Pixels
 from emovid.video.draw import Painter
-from emovid.video.encode import ffmpeg
+from emovid.video.encode import address, ffmpeg
 
 # Pictures of one run correlate with 0.999 before and after encoding; of a stimulus and of its scene's public run, with
 # 0.82 at most at 1280x720, 0.984 at 160x90 (25 and 60 kits).
@@ -32,12 +32,13 @@ def check_scenes(kit: Kit) -> Iterator[Finding]:
 
     Frames are compared, not bytes: equal bytes are equal frames, and a copy that was encoded again is one, too.
     """
-    paths = {video.file: (kit.folder.public / video.file, video) for video in kit.manifest.videos}
-    decoded = {file: _decoded(path, video) for file, (path, video) in paths.items() if path.is_file()}
-    if not decoded:
-        return
-    stage = np.median([picture for pictures in decoded.values() for picture in pictures], axis=0)
     like = kit.manifest.videos[0]
+    paths = {video.file: kit.folder.public / video.file for video in kit.manifest.videos}
+    decoded = {file: _decoded(path, like) for file, path in paths.items() if path.is_file()}
+    everything = [picture for pictures in decoded.values() for picture in pictures]
+    if not everything:
+        return
+    stage = np.median(everything, axis=0)
     for name in EMOTIONS:
         shown = _drawn(name, like.frames, like.fps, f"{like.width}x{like.height}")
         for file, pictures in decoded.items():
@@ -62,10 +63,10 @@ def _drawn(emotion: str, frames: int, fps: int, size: str) -> list[Picture]:
 
 
 def _decoded(path: Path, like: Video) -> list[Picture]:
-    """Return the compared frames of a file; fewer, if it has fewer."""
+    """Return the compared frames of a file, in the size of another; fewer, if it has fewer."""
     chosen = "+".join(f"eq(n\\,{k})" for k in _numbers(like.frames))
-    filters = f"select={chosen},scale=in_color_matrix=bt709:in_range=tv,format=rgb24"
-    command = [ffmpeg(), "-v", "error", "-nostdin", "-i", str(path), "-vf", filters, "-fps_mode", "passthrough"]
+    filters = f"select={chosen},scale={like.width}:{like.height}:in_color_matrix=bt709:in_range=tv,format=rgb24"
+    command = [ffmpeg(), "-v", "error", "-nostdin", "-i", address(path), "-vf", filters, "-fps_mode", "passthrough"]
     done = subprocess.run([*command, "-f", "rawvideo", "-"], capture_output=True, check=False)
     size = 3 * like.width * like.height
     frames = [done.stdout[i : i + size] for i in range(0, len(done.stdout), size)]

@@ -11,7 +11,7 @@ from emovid.kit.checks.hints import Hints
 from emovid.kit.manifest import Video
 from emovid.kit.mp4 import Box, boxes
 from emovid.kit.read import Kit
-from emovid.video.encode import ffmpeg
+from emovid.video.encode import address, ffmpeg
 from emovid.whole_files import file_digest
 
 # Boxes of a file with one H.264 track and nothing else, and the kinds of units in its stream: slices, and what a
@@ -121,9 +121,9 @@ def _settings(path: Path) -> tuple[bytes, ...]:
 
 
 def _decoding_problem(path: Path, video: Video) -> str:
-    command = [ffmpeg(), "-hide_banner", "-nostdin", "-nostats", "-xerror", "-i", str(path), "-map", "0:v:0"]
+    command = [ffmpeg(), "-hide_banner", "-nostdin", "-nostats", "-xerror", "-i", address(path), "-map", "0:v:0"]
     command += ["-f", "null", "-progress", "pipe:1", "-"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False)
     if done.returncode or "rror" in done.stderr:
         return "does not decode to its end"
     frames = int(re.findall(r"^frame=\s*(\d+)", done.stdout, re.MULTILINE)[-1])

@@ -6,7 +6,7 @@ from emovid.errors import InputError
 from emovid.kit.model import Study
 from emovid.kit.orders import square_size
 from emovid.kit.read import Kit
-from emovid.study.power import Plan, plan
+from emovid.study.power import plan
 
 OPEN = "**TO DO**"
 
@@ -17,6 +17,7 @@ class Facts:
 
     Attributes:
         study: it was made from.
+        tests: how many Holm's method corrects for: one for each emotion, whatever the number of its videos.
         participants: how many, and why so many.
         stimuli: what was shown.
         blinding: who knew what.
@@ -27,6 +28,7 @@ class Facts:
     """
 
     study: Study
+    tests: int
     participants: str
     stimuli: str
     blinding: str
@@ -40,13 +42,17 @@ def facts_of(kit: Kit) -> Facts:
     """Return what a kit knows.
 
     Raises:
-        InputError: for a kit without its private folder, where the study is.
+        InputError: for a kit without its private folder, where study and key are.
     """
     if kit.study is None:
         raise InputError(f"{kit.folder.study}: no such file; expected the kit's private folder, with its study")
+    if not kit.key:
+        raise InputError(f"{kit.folder.key}: no such file; expected the kit's private folder, with its key")
+    tests = len(set(kit.key.values()))
     return Facts(
         study=kit.study,
-        participants=_participants(kit, kit.study),
+        tests=tests,
+        participants=_participants(kit, kit.study, tests),
         stimuli=_stimuli(kit, kit.study),
         blinding=_blinding(kit, kit.study),
         orders=_orders(kit),
@@ -56,18 +62,12 @@ def facts_of(kit: Kit) -> Facts:
     )
 
 
-def planned(study: Study) -> Plan:
-    """Return how many participants the study's plan asks for."""
+def _participants(kit: Kit, study: Study, tests: int) -> str:
     said = study.plan
-    videos = len({stimulus.emotion or stimulus.scene for stimulus in study.stimuli})
-    return plan(said.rate, len(study.answers), videos, said.alpha, said.power)
-
-
-def _participants(kit: Kit, study: Study) -> str:
-    found, said = planned(study), study.plan
+    found = plan(said.rate, len(study.answers), tests, said.alpha, said.power)
     need = "more than can be planned" if found.n is None else str(found.n)
     return (
-        f"{kit.manifest.participants} participants. For a video whose true hit rate is {said.rate:g}, with "
+        f"{kit.manifest.participants} participants. For an emotion whose true hit rate is {said.rate:g}, with "
         f"{len(study.answers)} answers (chance {found.chance:.4f}), a power of {said.power:g} at a level of "
         f"{said.alpha:g} (the first step of Holm's correction: {found.alpha:.4g}) needs {need}: {found.n_binomial} for "
         f"the exact binomial test against chance, {found.n_goodness} for Pearson's chi-squared goodness of fit "

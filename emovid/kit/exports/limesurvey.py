@@ -3,7 +3,7 @@
 import csv
 import io
 
-from emovid.kit.exports.export import Files, paragraphs, video_tag
+from emovid.kit.exports.export import Files, paragraphs, thanks, video_tag
 from emovid.kit.pages import Item
 from emovid.kit.read import Kit
 from emovid.study.labels import NONE
@@ -37,7 +37,7 @@ def limesurvey(kit: Kit, video_url: str) -> Files:
         {"class": "S", "name": "format", "text": "G"},
         {"class": "S", "name": "allowprev", "text": "Y"},
         {"class": "SL", "name": "surveyls_title", "text": manifest.title},
-        {"class": "SL", "name": "surveyls_endtext", "text": paragraphs(manifest.thanks.text)},
+        {"class": "SL", "name": "surveyls_endtext", "text": thanks(manifest)},
         {"class": "G", "name": "Consent"},
         *_choice("consent", paragraphs(manifest.consent.text), dict(zip("YN", _agreement(kit), strict=True))),
     ]

@@ -53,11 +53,12 @@ Stopping rule: {open}. Recruitment and payment: {open}.
 
 By `emovid study analyze`, version {version}:
 
-- for each video, Pearson's chi-squared goodness of fit to equally likely answers, with the exact p beside it, and
-  Cohen's w;
-- for each video, the hit rate with its Wilson interval, and the exact one-sided binomial test against chance, corrected
-  for {videos} videos by Holm's method at a level of {alpha:g}; a video counts as recognised if that rejects chance;
-- over all videos, the permutation test within participants, which holds where answers depend on each other;
+- for each emotion, over the answers to its videos, Pearson's chi-squared goodness of fit to equally likely answers,
+  with the exact p beside it, and Cohen's w;
+- for each emotion, the hit rate with its Wilson interval, and the exact one-sided binomial test against chance,
+  corrected for {tests} emotions by Holm's method at a level of {alpha:g}; an emotion counts as recognised if that
+  rejects chance;
+- over all emotions, the permutation test within participants, which holds where answers depend on each other;
 - confusion matrix, unbiased hit rates and kappa, described without tests.
 
 Secondary analyses by groups: {groups}. Anything else is exploratory.
@@ -88,7 +89,7 @@ def prereg(kit: Kit) -> Files:
         participants=facts.participants,
         exclusions=facts.exclusions,
         version=version("emovid"),
-        videos=len(kit.manifest.videos),
+        tests=facts.tests,
         alpha=facts.study.plan.alpha,
         groups=", ".join(groups) or "none",
         ethics=facts.ethics,

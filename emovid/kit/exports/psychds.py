@@ -4,8 +4,8 @@ import json
 import re
 
 from emovid.kit.exports.export import Files
-from emovid.kit.folders import csv_text
 from emovid.kit.read import Kit
+from emovid.study.cells import csv_text
 from emovid.study.responses import Responses
 
 _KNOWN = {
@@ -16,6 +16,9 @@ _KNOWN = {
     "signalled": "the label that the video stands for",
     "response": "the label that the participant chose",
 }
+# The columns of the answers, here and in the data set.
+_NAMES = {"participant": "participant_id", "video": "video_code", "position": "position", "signalled": "signalled",
+          "perceived": "response"}  # fmt: skip
 
 
 def psych_ds(kit: Kit, responses: Responses | None) -> Files:
@@ -23,16 +26,16 @@ def psych_ds(kit: Kit, responses: Responses | None) -> Files:
     manifest = kit.manifest
     name = "study-" + (re.sub(r"[^a-zA-Z0-9]", "", manifest.title.title()) or "emovid")
     header = ["participant_id", "position", "video_code", *(["choices"] if kit.choices else [])]
-    rows = [
+    orders = [
         [who, place, code, *(["|".join(kit.choices[who])] if kit.choices else [])]
         for who, order in kit.orders.items()
         for place, code in enumerate(order, start=1)
     ]
-    files = {f"data/{name}_content-orders_data.csv": csv_text(header, rows)}
+    files = {f"data/{name}_content-orders_data.csv": csv_text(header, orders)}
     columns = list(header)
     if responses is not None:
-        header, rows = _answers(responses)
-        files[f"data/{name}_content-responses_data.csv"] = csv_text(header, rows)
+        header, answers = _answers(responses)
+        files[f"data/{name}_content-responses_data.csv"] = csv_text(header, answers)
         columns += [column for column in header if column not in columns]
     description = {
         "@context": "http://schema.org/",
@@ -52,17 +55,13 @@ def psych_ds(kit: Kit, responses: Responses | None) -> Files:
     }
 
 
-def _answers(responses: Responses) -> tuple[list[str], list[list[object]]]:
-    groups = list(map(str, responses.participants.columns))
-    header = ["participant_id", "video_code", "position", "signalled", "response", *groups]
-    people = responses.participants
-    rows: list[list[object]] = []
-    for answer in responses.answers.itertuples(index=False):
-        place = "" if answer.position != answer.position or answer.position is None else str(answer.position)
-        place = "" if place == "<NA>" else place
-        said = [answer.participant, answer.video, place, answer.signalled, answer.perceived]
-        rows.append([*said, *(people.at[answer.participant, group] for group in groups)])
-    return header, rows
+def _answers(responses: Responses) -> tuple[list[str], list[tuple[object, ...]]]:
+    """Return the columns and the rows of the answers, each participant's groups repeated in every row."""
+    answers = responses.answers.rename(columns=_NAMES)[list(_NAMES.values())]
+    groups = responses.participants.rename(columns=lambda name: f"{name} (group)" if name in _KNOWN else name)
+    table = answers.merge(groups, left_on="participant_id", right_index=True, how="left")
+    rows = table.astype(object).where(table.notna(), "").itertuples(index=False, name=None)
+    return list(map(str, table.columns)), list(rows)
 
 
 def _variable(column: str, kit: Kit) -> dict[str, object]:

@@ -2,7 +2,7 @@
 
 import html
 
-from emovid.kit.exports.export import Files, paragraphs, video_tag
+from emovid.kit.exports.export import Files, paragraphs, thanks, video_tag
 from emovid.kit.pages import Item
 from emovid.kit.read import Kit
 
@@ -29,7 +29,7 @@ def qualtrics(kit: Kit, video_url: str) -> Files:
         *([_block("About you", *map(_item, manifest.demographics))] if manifest.demographics else []),
         _block("Instructions", f"[[Question:DB]]\n[[ID:instructions]]\n{paragraphs(manifest.instructions)}\n"),
         *(_block(code, *_video(kit, code, video_url)) for code in manifest.codes),
-        _block("End", f"[[Question:DB]]\n[[ID:end]]\n{paragraphs(manifest.thanks.text)}\n"),
+        _block("End", f"[[Question:DB]]\n[[ID:end]]\n{thanks(manifest)}\n"),
     ]
     said = {"title": manifest.title, "shown": manifest.videos_shown, "seconds": manifest.videos[0].duration}
     return {"survey.txt": "[[AdvancedFormat]]\n\n" + "\n".join(blocks), "README.md": _README.format(**said)}

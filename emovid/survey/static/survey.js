@@ -42,7 +42,8 @@ for (const form of document.forms) {
     sending = true;
     const body = new URLSearchParams(new FormData(form));
     if (event.submitter?.name) body.append(event.submitter.name, event.submitter.value);
-    const reply = await send(form.action, { body }, () => { if (node("state")) node("state").textContent = said.offline; });
+    const offline = () => { if (node("state")) node("state").textContent = said.offline; };
+    const reply = await send(form.getAttribute("action"), { body }, offline); // form.action may be a question's name
     if (reply.redirected) window.location.assign(reply.url);
     else show(reply);
   });
@@ -84,7 +85,7 @@ function watch(player) {
   const seen = () => {
     const now = quality();
     const share = video.duration ? Math.min(watched / video.duration, 1) : 0;
-    return { share, frames: now.total - before.total, dropped: now.dropped - before.dropped };
+    return { play, share, frames: now.total - before.total, dropped: now.dropped - before.dropped };
   };
   const open = () => {
     node("gate").disabled = node("submit").disabled = false;
@@ -145,7 +146,7 @@ function watch(player) {
 
 if (node("player")) watch(node("player"));
 if (node("code") && window.location.hash) { // an own address, /resume#CODE: what follows # was never sent
-  node("code").value = decodeURIComponent(window.location.hash.slice(1));
+  node("code").value = window.location.hash.slice(1);
   window.history.replaceState(null, "", window.location.pathname);
 }
 if (node("own-code")) node("own-code").title = node("own-code").href;
