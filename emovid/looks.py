@@ -44,7 +44,7 @@ def _grown(shape: Shape, rim: float) -> list[Path]:
         case RectangularShape():
             sides = shape.length + 2 * rim, shape.width + 2 * rim
             return [_rounded(*sides, shape.corner + rim, x=shape.ahead)]
-        case PolygonalShape():
+        case PolygonalShape():  # pragma: no branch - there is no other
             corners = np.array(shape.corners)
             following = np.roll(corners, -1, axis=0)
             if np.sum(corners[:, 0] * following[:, 1] - corners[:, 1] * following[:, 0]) < 0:

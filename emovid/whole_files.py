@@ -82,9 +82,11 @@ def writing(target: Path) -> Iterator[IO[bytes]]:
 
 def replace_if_changed(target: Path, data: bytes) -> None:
     """Write a file whole, unless it says this already. Raises as `whole_file`."""
-    if not target.is_file() or target.read_bytes() != data:
-        with writing(target) as file:
-            file.write(data)
+    with suppress(OSError):  # missing, or what is wrong with it shows when it is written
+        if target.read_bytes() == data:
+            return
+    with writing(target) as file:
+        file.write(data)
 
 
 def make_folder(folder: Path) -> None:
@@ -150,10 +152,11 @@ def not_written(target: Path, error: OSError, how: str = "written") -> EmovidErr
 def _part_beside(target: Path) -> Path:
     """Return the path to write at in place of `target`, after removing what killed processes have left there."""
     stem = f".{target.name}.{socket.gethostname()}-"
+    part = target.with_name(f"{stem}{os.getpid()}{_SUFFIX}")
     for left in target.parent.glob(f"{glob.escape(stem)}*{_SUFFIX}"):
-        if not is_written(left):
+        if left == part or not is_written(left):  # ours is of a process that had our number before
             _remove(left)
-    return target.with_name(f"{stem}{os.getpid()}{_SUFFIX}")
+    return part
 
 
 def _remove(path: Path) -> None:
@@ -164,7 +167,7 @@ def _remove(path: Path) -> None:
 def _is_alive(pid: str) -> bool:
     try:
         os.kill(int(pid), 0)
-    except (ProcessLookupError, ValueError):
+    except (ProcessLookupError, ValueError, OverflowError):
         return False
     except PermissionError:  # it is another user's
         return True

@@ -41,24 +41,32 @@ class _Loader(yaml.SafeLoader):
         return node
 
 
+class _WordLoader(_Loader):
+    """Leaves numbers and truths as they are written."""
+
+    yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012 - as above
+
+
 for _name, _pattern, _first in _RESOLVERS:
-    _Loader.add_implicit_resolver(_CORE + _name, re.compile(_pattern), _first)
+    for _reader in (_Loader, _WordLoader)[: 2 if _name == "null" else 1]:
+        _reader.add_implicit_resolver(_CORE + _name, re.compile(_pattern), _first)
 
 
-def read_yaml(text: str, where: str, what: str = "scene") -> tuple[Any, dict[KeyPath, str]]:
+def read_yaml(text: str, where: str, what: str = "scene", as_words: bool = False) -> tuple[Any, dict[KeyPath, str]]:
     """Return the values in `text` and, for the path of each key, the place it stands at, ``"file:line"``.
 
     Args:
         text: one YAML document.
         where: what to call it in messages, usually the file.
         what: it should hold, for messages.
+        as_words: whether values are text as it stands there, 007 and 1.50 too, or None.
 
     Raises:
         SceneError: for a syntax error, a duplicate key, a tag, an alias, more than one document, or none.
     """
     places: dict[KeyPath, str] = {}
     try:
-        node = yaml.compose(text, Loader=_Loader)
+        node = yaml.compose(text, Loader=_WordLoader if as_words else _Loader)
         if node is None:
             raise SceneError(where, "", f"empty: expected a {what}")
         return _value(node, (), places, where), places

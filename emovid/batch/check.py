@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 
 from pydantic import ValidationError
 
-from emovid.batch.job import Job, Record, make
+from emovid.batch.job import Job, Record, make, versions
 from emovid.batch.ledger import NAME, read_ledger
 from emovid.batch.pool import OnStep
 from emovid.batch.sweep import PLAN, items
@@ -18,6 +18,7 @@ from emovid.video.render import frames_checksum
 from emovid.whole_files import file_digest
 
 State = Literal["current", "missing", "stale", "corrupt", "changed"]
+_ELSEWHERE = "recorded by another version of emovid"
 
 
 class Found(NamedTuple):
@@ -57,7 +58,7 @@ def verify(folder: Path) -> list[Found]:
     Raises:
         InputError: if there is no manifest.
     """
-    return [_same(folder / name, record) for name, record in _records(folder).items() if "sha256" in record]
+    return [_same(folder / name, record) for name, record in _records(folder).items() if _has_file(record)]
 
 
 def rebuildable(folder: Path) -> list[Rebuild]:
@@ -73,19 +74,19 @@ def rebuild(what: Rebuild, on_step: OnStep | None = None) -> Found:
     name, record = what
     job = _job(Path(name), record)
     if job is None:
-        return Found(name, "stale", "recorded by another version of emovid")
+        return Found(name, "stale", _ELSEWHERE)
     run = simulate(job.scene)
-    if run.digest() != record["trajectory_sha256"]:
-        return Found(name, "changed", f"from the trajectory on{_versions(record, job)}")
-    if job.only == "video" and frames_checksum(run) != record["frames_crc32"]:
-        return Found(name, "changed", f"from the frames on{_versions(record, job)}")
+    if run.digest() != record.get("trajectory_sha256"):
+        return Found(name, "changed", f"from the trajectory on{_versions(record)}")
+    if job.only == "video" and frames_checksum(run) != record.get("frames_crc32"):
+        return Found(name, "changed", f"from the frames on{_versions(record)}")
     with tempfile.TemporaryDirectory() as folder:
-        again = make(Job(job.scene, Path(folder) / name, run, job.only), on_step)
+        again = make(Job(job.scene, Path(folder) / Path(name).name, run, job.only), on_step)
     if again.get("sha256") != record.get("sha256"):
         stage = "encoding" if job.only == "video" else "file"
-        return Found(name, "changed", f"in the {stage}{_versions(record, job)}")
+        return Found(name, "changed", f"in the {stage}{_versions(record)}")
     if again.get("descriptors") != record.get("descriptors"):
-        return Found(name, "changed", f"in the descriptors{_versions(record, job)}")
+        return Found(name, "changed", f"in the descriptors{_versions(record)}")
     return Found(name, "current")
 
 
@@ -104,6 +105,10 @@ def _job(target: Path, record: Record) -> Job | None:
         return None
 
 
+def _has_file(record: Record) -> bool:
+    return record["only"] != "measure"
+
+
 def _is_rebuildable(record: Record) -> bool:
     return record["only"] != "sheet" and record.get("run") is None
 
@@ -112,25 +117,27 @@ def _state(folder: Path, name: str, record: Record | None, job: Job | None) -> F
     if record is None:
         there = (folder / name).exists()
         return Found(name, "missing", "there, but not recorded" if there else "")
-    if "sha256" in record and (found := _same(folder / name, record)).state != "current":
+    if _has_file(record) and (found := _same(folder / name, record)).state != "current":
         return found
     if record["only"] == "sheet":
         return Found(name, "current")
-    recipe = job.recipe | {"run": record.get("run")} if job else {}
-    if job is None or any(record.get(key) != value for key, value in recipe.items()):
-        return Found(name, "stale", _versions(record, job).removeprefix(": ") or "made of another scene")
+    if job is None:
+        return Found(name, "stale", _versions(record).removeprefix(": ") or _ELSEWHERE)
+    recipe = job.recipe | {"run": record.get("run")}
+    if any(record.get(key) != value for key, value in recipe.items()):
+        return Found(name, "stale", _versions(record).removeprefix(": ") or "made of another scene")
     return Found(name, "current")
 
 
 def _same(file: Path, record: Record) -> Found:
     if not file.exists():
         return Found(file.name, "missing")
-    return Found(file.name, "current" if file_digest(file) == record["sha256"] else "corrupt")
+    return Found(file.name, "current" if file_digest(file) == record.get("sha256") else "corrupt")
 
 
-def _versions(record: Record, job: Job | None) -> str:
-    """Return what other versions a result was made with, as in ": numpy 2.4.5, now 2.4.6"; "" if there are none."""
-    then = record.get("versions", {})
-    now = job.recipe["versions"] if job else {}
-    changed = [f"{name} {was}, now {now.get(name)}" for name, was in then.items() if was != now.get(name)]
+def _versions(record: Record) -> str:
+    """Return what other versions a result was made with: ": made with numpy 2.4.5, now 2.4.6"; "" without any."""
+    now = versions(record["only"])
+    then = {name: was for name, was in record.get("versions", {}).items() if name in now}
+    changed = [f"{name} {was}, now {now[name]}" for name, was in then.items() if was != now[name]]
     return f": made with {'; '.join(changed)}" if changed else ""

@@ -44,7 +44,7 @@ def connected(address: str) -> Iterator[Cluster]:
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what goes wrong is ours to say
     try:
         client: Any = dask.Client(address, timeout=_PATIENCE, set_as_default=False)
-    except ValueError as error:
+    except (TypeError, ValueError) as error:  # the first where tls:// has no certificates
         raise InputError(f"--scheduler {address}: {error}; expected as in tcp://127.0.0.1:8786") from None
     except OSError:
         raise EmovidError(f"--scheduler {address}: no Dask scheduler answers there") from None

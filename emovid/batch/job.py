@@ -101,9 +101,9 @@ def make(job: Job, on_step: OnStep | None = None) -> Record:
     return facts | {"trajectory_sha256": trajectory.digest(), "scene": scene.resolved()} | job.recipe
 
 
-def is_current(known: Record | None, job: Job) -> bool:
+def is_current(known: Record, job: Job) -> bool:
     """Return whether a job's result is there, whole, and what `known` records of the job's recipe."""
-    if known is None or not is_by_recipe(known, job):
+    if not is_by_recipe(known, job):
         return False
     return job.only == "measure" or (job.target.exists() and file_digest(job.target) == known.get("sha256"))
 

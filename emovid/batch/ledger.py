@@ -34,6 +34,11 @@ def read_ledger(folder: Path) -> dict[str, Record]:
     return records
 
 
+def is_growing(folder: Path) -> bool:
+    """Return whether there are journals in a folder: of runs that have not ended."""
+    return any(folder.glob(_JOURNAL))
+
+
 class Ledger:
     """Takes the records of one run into a folder that exists; as a context it merges them at the end.
 
@@ -55,7 +60,8 @@ class Ledger:
         """
         try:
             self._journal = self._journal or self._path.open("ab", buffering=0)
-            line = json.dumps([name, record]).encode() + b"\n"
+            # It begins a line too: a dead process with our number may have left half of one.
+            line = b"\n" + json.dumps([name, record]).encode() + b"\n"
             if self._journal.write(line) < len(line):
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         except OSError as error:
@@ -89,7 +95,7 @@ def merge(folder: Path, own: Path | None = None) -> None:
     Raises:
         EmovidError: if the manifest cannot be written.
     """
-    if not any(folder.glob(_JOURNAL)) and not (folder / _LOCK).exists():
+    if not is_growing(folder) and not (folder / _LOCK).exists():
         return
     with _lock(folder):
         journals = list(folder.glob(_JOURNAL))
@@ -137,7 +143,7 @@ def _read_manifest(folder: Path) -> dict[str, Record]:
     try:
         sections = json.loads((folder / NAME).read_text(encoding="utf-8"))
         return {
-            str(name): {"only": only} | dict(record)
+            str(name): dict(record) | {"only": only}
             for only, section in _SECTIONS.items()
             for name, record in sections.get(section, {}).items()
         }
@@ -150,9 +156,10 @@ def _read_journal(path: Path) -> dict[str, Record]:
     records: dict[str, Record] = {}
     with suppress(OSError):  # it has just been merged
         for line in path.read_bytes().splitlines():
-            with suppress(ValueError, TypeError):
+            with suppress(ValueError, TypeError, KeyError):
                 name, record = json.loads(line)
-                records[str(name)] = dict(record)
+                if record["only"] in _SECTIONS:
+                    records[str(name)] = record
     return records
 
 

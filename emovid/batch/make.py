@@ -106,7 +106,8 @@ def _error(job: Job, outcome: Record | EmovidError) -> EmovidError | None:
         return outcome if named else EmovidError(f"{job.target}: {outcome}")
     if not is_by_recipe(outcome, job):
         there, here = outcome["versions"], job.recipe["versions"]
-        other = "; ".join(f"{name} {there[name]}, here {here[name]}" for name in here if there[name] != here[name])
+        differ = [name for name in here if there.get(name) != here[name]]
+        other = "; ".join(f"{name} {there.get(name)}, here {here[name]}" for name in differ)
         return EmovidError(f"{job.target}: its worker has other versions: {other}")
     if job.only != "measure" and not job.target.exists():
         return EmovidError(f"{job.target}: made, but not here: workers must share the output folder")

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from emovid.batch.job import Record, is_by_recipe
-from emovid.batch.ledger import read_ledger
+from emovid.batch.ledger import is_growing, read_ledger
 from emovid.batch.sheet import write_sheet
 from emovid.batch.sweep import PLAN, Item, axes
 from emovid.batch.sweep_file import SweepFile
@@ -30,15 +30,21 @@ def write_summary(folder: Path, sweep: SweepFile, items: Sequence[Item], threads
     Returns:
         How many items are finished.
     """
-    records = _finished(folder, sweep, items)
-    write_results(folder, items, records)
+    known, before = read_ledger(folder), None
+    while known != before:
+        records = _finished(folder, sweep, items, known)
+        write_results(folder, items, records)
+        # A run that has ended meanwhile may have written its table before ours; one that has not will write it after.
+        known, before = known if is_growing(folder) else read_ledger(folder), known
     if len(records) == len(items) and sweep.only != "measure":
         write_sheet(folder, items, axes(sweep), records, threads)
     return len(records)
 
 
-def _finished(folder: Path, sweep: SweepFile, items: Sequence[Item]) -> Mapping[str, Record]:
-    known, finished = read_ledger(folder), {}
+def _finished(
+    folder: Path, sweep: SweepFile, items: Sequence[Item], known: Mapping[str, Record]
+) -> Mapping[str, Record]:
+    finished = {}
     for item in items:
         record, job = known.get(item.name), item.job(folder, sweep.only)
         if record and is_by_recipe(record, job) and (sweep.only == "measure" or job.target.exists()):

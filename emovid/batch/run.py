@@ -76,4 +76,4 @@ def _failure(error: Exception) -> EmovidError:
         return EmovidError(reason(error))
     where = traceback.extract_tb(error.__traceback__)
     place = f", at {Path(where[-1].filename).name}:{where[-1].lineno}" if where else ""
-    return EmovidError(f"unexpected {type(error).__name__}: {error}{place}")
+    return EmovidError(" ".join(f"unexpected {type(error).__name__}: {error}{place}".split()))

@@ -1,7 +1,8 @@
 """sweep.yaml: which scenes, with which keys replaced by what, and from which seeds."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn, get_args
@@ -11,9 +12,9 @@ import numpy as np
 from emovid.batch.job import Kind
 from emovid.errors import SceneError, nearest
 from emovid.places import KeyPath, Places, place_of
-from emovid.scene.emotions import EMOTIONS
-from emovid.scene.load import Setting, scene_keys
+from emovid.scene.load import Setting, scene_keys, shipped_names
 from emovid.scene.picture import read_pictures
+from emovid.scene.robot_files import read_robot
 from emovid.scene.shipped import CONFIGS, read_text
 from emovid.yaml_text import read_yaml
 
@@ -29,6 +30,17 @@ class Template:
     keys: dict[str, Any]
     places: Places
     folder: Path
+
+    def whole(self) -> dict[str, Any]:
+        """Return the keys with what is in the files that they name."""
+        keys: dict[str, Any] = deepcopy(self.keys)
+        read_pictures(keys, self.folder, self.places)
+        robot = keys.get("robot")
+        if isinstance(robot, dict) and isinstance(robot.get("model"), str):
+            named = {"robot": {"model": robot["model"]}}  # its limits may be those of another that is set
+            read_robot(named, self.folder, self.places)
+            robot["model"] = named["robot"]["model"].model_dump(mode="json")
+        return keys
 
 
 @dataclass(frozen=True)
@@ -54,21 +66,32 @@ class SweepFile:
     seeds: tuple[Setting, ...] = ()
 
     def plan(self) -> str:
-        """Return the same sweep as JSON that needs no other file: as good as this one to `read_sweep_file`."""
-        scenes = {}
-        for name, template in self.scenes.items():
-            scenes[name] = json.loads(json.dumps(template.keys))
-            read_pictures(scenes[name], template.folder, template.places)
+        """Return the same sweep as JSON, as good as this one to `read_sweep_file`.
+
+        It holds the pictures and robots that its scenes name; of those that are set it gives the whole path.
+        """
         plan = {
             "only": self.only,
-            "scenes": scenes,
-            "set": _values(self.set),
-            "list": [_values(entry) for entry in self.list],
-            "grid": {key: [setting.value for setting in settings] for key, settings in self.grid.items()},
+            "scenes": {name: template.whole() for name, template in self.scenes.items()},
+            "set": self._values(self.set),
+            "list": [self._values(entry) for entry in self.list],
+            "grid": {key: [self._located(key, s.value) for s in settings] for key, settings in self.grid.items()},
             "seeds": [setting.value for setting in self.seeds],
         }
         kept = {key: value for key, value in plan.items() if value}
         return json.dumps(kept, indent=1, ensure_ascii=False) + "\n"
+
+    def _values(self, settings: tuple[Setting, ...]) -> dict[str, Any]:
+        return {setting.key: self._located(setting.key, setting.value) for setting in settings}
+
+    def _located(self, key: str, value: Any) -> Any:
+        """Return a value with the whole path of each file that it names: scenes find them beside them, a plan not."""
+        if isinstance(value, dict):
+            return {inner: self._located(inner, part) for inner, part in value.items()}
+        if not isinstance(value, str) or key.rpartition(".")[2] not in ("file", "model"):
+            return value
+        files = (template.folder / value for template in self.scenes.values())
+        return next((str(file.resolve()) for file in files if file.is_file()), value)
 
 
 def find_sweep(source: Path) -> Path:
@@ -98,11 +121,9 @@ def _read(path: Path) -> tuple[Any, Places]:
     try:
         if path.suffix == ".json":
             return json.loads(text), {(): str(path)}
-        return read_yaml(text, str(path))
     except (ValueError, RecursionError):
         raise SceneError(str(path), "", "not JSON: expected a plan that emovid sweep wrote") from None
-    except SceneError as error:
-        raise SceneError(error.where, error.key, error.message.replace("a scene", "a sweep")) from None
+    return read_yaml(text, str(path), "sweep")
 
 
 @dataclass(frozen=True)
@@ -126,7 +147,7 @@ class _Reader:
             self._scenes(),
             self._settings(("set",), self.keys.get("set") or {}),
             self._list(),
-            {key: self._settings_of(key, ("grid", key)) for key in self._mapping(("grid",))},
+            self._grid(),
             self._seeds(),
         )
         self._refuse_twice(sweep)
@@ -144,10 +165,10 @@ class _Reader:
             if not isinstance(source, str):
                 self._refuse(path, f"{source!r}: expected an emotion or a scene file")
             try:
-                keys, places, file = scene_keys(source if source in EMOTIONS else self.path.parent / source)
+                keys, places, file = scene_keys(source if source in shipped_names() else self.path.parent / source)
             except SceneError as error:
-                if error.where == str(self.path.parent / source):  # there is no such file
-                    self._refuse(path, f"{source}: {error.message}{nearest(source, EMOTIONS)}")
+                if error.message.startswith("no such file"):  # what it suggests instead is like the whole path
+                    self._refuse(path, f"{source}: no such file or emotion{nearest(source, shipped_names())}")
                 raise
             if file.stem in scenes:
                 self._refuse(path, f"{source}: there is another scene called {file.stem}")
@@ -171,15 +192,16 @@ class _Reader:
             self._refuse(path, "expected keys of a scene and their values, as in robot.l: 0.002")
         return tuple(Setting(key, value, self._place((*path, key))) for key, value in given.items())
 
-    def _mapping(self, path: KeyPath) -> Mapping[str, Any]:
-        given = self.keys.get(path[0]) or {}
+    def _grid(self) -> dict[str, tuple[Setting, ...]]:
+        given = self.keys.get("grid") or {}
         if not isinstance(given, dict):
-            self._refuse(path, "expected keys of a scene, each with a list of values, as in robot.l: [0.002, 0.004]")
-        return given
+            expected = "expected keys of a scene, each with a list of values, as in robot.l: [0.002, 0.004]"
+            self._refuse(("grid",), expected)
+        return {key: self._settings_of(key, values) for key, values in given.items()}
 
-    def _settings_of(self, key: str, path: KeyPath) -> tuple[Setting, ...]:
+    def _settings_of(self, key: str, given: Any) -> tuple[Setting, ...]:
         """Return a setting for each value that a key of the grid takes."""
-        given = self.keys["grid"][key]
+        path: KeyPath = ("grid", key)
         if isinstance(given, dict):
             return tuple(Setting(key, value, self._place(path)) for value in self._range(path, given))
         if not isinstance(given, list) or not given:
@@ -187,7 +209,10 @@ class _Reader:
         return tuple(Setting(key, value, self._place((*path, i))) for i, value in enumerate(given))
 
     def _range(self, path: KeyPath, given: dict[str, Any]) -> list[float]:
-        """Return evenly spaced numbers, or, with log, of evenly spaced logarithms; to 12 digits."""
+        """Return evenly spaced numbers, or, with log, of evenly spaced logarithms; to 12 digits.
+
+        Where both ends are whole numbers, so are those between that can be, as keys like `robots` need them.
+        """
         for key in given:
             if key not in _RANGE:
                 self._refuse((*path, key), _unknown(key, _RANGE))
@@ -197,7 +222,9 @@ class _Reader:
         if not isinstance(log, bool) or (log and min(first, last) <= 0):
             self._refuse(path, "log: expected true, with from and to above 0")
         spaced = np.geomspace(first, last, count) if log else np.linspace(first, last, count)
-        return [float(f"{value:.12g}") for value in spaced]
+        values = [float(f"{value:.12g}") for value in spaced]
+        whole = isinstance(first, int) and isinstance(last, int)
+        return [int(value) if whole and value.is_integer() else value for value in values]
 
     def _seeds(self) -> tuple[Setting, ...]:
         given = self.keys.get("seeds")
@@ -236,7 +263,3 @@ class _Reader:
 
 def _unknown(key: str, known: Sequence[str]) -> str:
     return f"unknown key{nearest(key, known)}" if nearest(key, known) else f"unknown key; expected {', '.join(known)}"
-
-
-def _values(settings: tuple[Setting, ...]) -> dict[str, Any]:
-    return {setting.key: setting.value for setting in settings}

@@ -51,6 +51,7 @@ def _parquet(rows: list[dict[str, Any]]) -> bytes:
     columns = {}
     for name in _columns(rows):
         values = [row.get(name) for row in rows]
+        values = [json.dumps(value) if isinstance(value, list | dict) else value for value in values]  # some it refuses
         try:
             columns[name] = pa.array(values)
         except (pa.ArrowInvalid, pa.ArrowTypeError):  # values of several kinds

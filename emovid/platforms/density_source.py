@@ -48,7 +48,7 @@ def _source(density: AnyDensity, stage: Stage, name: str) -> Source:
             return Source(f"sum(np.exp(-({square}) / {2 * density.width**2!r}) for n_x, n_y, offset in EDGES)")
         case Image():
             return _picture(density, stage, name)
-        case Sum():
+        case Sum():  # pragma: no branch - there is no other
             parts = [_source(part.density, stage, f"{name}_{i}") for i, part in enumerate(density.parts, start=1)]
             weights = [part.weight for part in density.parts]
             terms = [f"{weight!r} * {part.expression}" for weight, part in zip(weights, parts, strict=True)]
@@ -63,8 +63,10 @@ def _picture(density: Image, stage: Stage, name: str) -> Source:
     factor = -0.5 / density.smoothing**2
     tables = (
         f"{name} = np.array(\n    [  # heights of the peaks that a picture is made of, by x and then y\n{rows}    ]\n)",
-        f"{name}_X = np.linspace({x_peaks[0]!r}, {x_peaks[-1]!r}, {len(x_peaks)})",
-        f"{name}_Y = np.linspace({y_peaks[0]!r}, {y_peaks[-1]!r}, {len(y_peaks)})",
+        *(
+            f"{name}_{axis} = np.linspace({float(peaks[0])!r}, {float(peaks[-1])!r}, {len(peaks)})"
+            for axis, peaks in (("X", x_peaks), ("Y", y_peaks))
+        ),
     )
     along_x = f"np.exp({factor!r} * (x.reshape(-1, 1) - {name}_X) ** 2)"
     along_y = f"np.exp({factor!r} * (y.reshape(-1, 1) - {name}_Y) ** 2)"

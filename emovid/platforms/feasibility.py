@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from emovid.platforms.robotarium import (
     ARENAS,
@@ -126,7 +127,7 @@ def _barrier(run: Trajectory) -> list[Check]:
     if run.bend is None or run.relaxed is None:
         return [Check("barrier", None, "none", "safety: barrier", holds=False)]
     bent, most = _share(run.bend > 1e-9, run), float(run.bend.max())
-    relaxed = float(run.relaxed.mean())
+    relaxed = _share(run.relaxed, run)
     return [
         Check("time with commands bent by the barrier", bent, f"{bent:.2%}"),
         Check("farthest that it bent one", most, f"{most:.3f} m/s"),
@@ -146,7 +147,7 @@ def contour_spacing(scene: Scene) -> float | None:
     nearest = []
     for t in np.linspace(0, scene.duration, _ALONG):
         points = followed_points(law, theta_0, t)
-        nearest.append(np.hypot(*(points - np.roll(points, 1, axis=0)).T).min())
+        nearest.append(cKDTree(points).query(points, k=2)[0][:, 1].min())
     return float(min(nearest))
 
 

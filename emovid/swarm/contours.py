@@ -24,7 +24,7 @@ def radius(contour: Contour, theta: Array, t: float) -> Array:
         case ExpandingCircle():
             grown = np.mod(contour.expansion_rate * t, contour.R_max - contour.R_min)
             return np.full_like(theta, grown + contour.R_min)
-        case Circle():
+        case Circle():  # pragma: no branch - there is no other
             return np.full_like(theta, contour.R)
 
 

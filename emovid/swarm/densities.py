@@ -42,7 +42,7 @@ def density_of(density: AnyDensity, stage: Stage) -> Density:
             return _boundary(density, stage)
         case Image():
             return _image(density, stage)
-        case Sum():
+        case Sum():  # pragma: no branch - there is no other
             return _sum(density, stage)
 
 

@@ -7,7 +7,7 @@ from typing import IO, Any
 
 import numpy as np
 
-from emovid.errors import InputError, SceneError
+from emovid.errors import EmovidError, InputError, SceneError
 from emovid.scene.load import Setting, parse_scene, scene_text
 from emovid.scene.model import Scene
 from emovid.scene.safety import Barrier
@@ -28,7 +28,7 @@ def save_trajectory(trajectory: Trajectory, target: Path) -> None:
         EmovidError: if the file cannot be written.
     """
     with writing(target) as file:
-        if target.suffix == ".npz":
+        if target.suffix.lower() == ".npz":
             _write_npz(trajectory, file)
         else:
             _write_csv(trajectory, file)
@@ -54,9 +54,11 @@ def load_trajectory(source: Path, settings: Sequence[Setting] = ()) -> Trajector
             loaded = {name: arrays[name] for name in names}
     except OSError as error:
         raise InputError(f"{source}: cannot be read: {reason(error)}") from None
-    except (ValueError, KeyError, EOFError, zipfile.BadZipFile):
+    except (EmovidError, MemoryError):
+        raise
+    except Exception:  # what numpy, zipfile and tokenize raise over a broken file is not written anywhere
         raise InputError(f"{source}: not a run: expected an .npz written by emovid simulate") from None
-    _check_shapes(scene, loaded, source)
+    _check_arrays(scene, loaded, source)
     return Trajectory(scene, **loaded)
 
 
@@ -76,10 +78,15 @@ def _write_csv(trajectory: Trajectory, file: IO[bytes]) -> None:
         file.write("".join(rows).encode())
 
 
-def _check_shapes(scene: Scene, arrays: Mapping[str, Any], source: Path) -> None:
+def _check_arrays(scene: Scene, arrays: Mapping[str, Any], source: Path) -> None:
     samples, robots = len(arrays["t"]), scene.robots
     of_period = (samples - 1, robots)
     expected = [(samples,), (samples, robots, 3), (*of_period, 2), *((len(arrays) - 3) * [of_period])]
     found = [array.shape for array in arrays.values()]
     if samples < 2 or found != expected:
         raise InputError(f"{source}: not a run: arrays of shapes {found} for {robots} robots")
+    for name, array in arrays.items():
+        if array.dtype.kind not in "fiub" or not np.isfinite(array).all():
+            raise InputError(f"{source}: not a run: not all of {name} are finite numbers")
+    if (np.diff(arrays["t"]) <= 0).any():
+        raise InputError(f"{source}: not a run: the times in t do not rise")

@@ -33,7 +33,7 @@ def start_poses(scene: Scene, rng: np.random.Generator) -> Array:
             poses = _on_contour(scene)
         case InStage() | InRegion():
             poses = _at_random(scene, scene.start, rng)
-        case AtPoses():
+        case AtPoses():  # pragma: no branch - there is no other
             poses = np.array([[pose.x, pose.y, pose.heading] for pose in scene.start.poses])
     _check_stage(scene, poses)
     _check_spacing(scene, poses)
@@ -88,7 +88,7 @@ def _at_random(scene: Scene, start: InStage | InRegion, rng: np.random.Generator
 
 def _most(sides: Array, spacing: float) -> float:
     """Return a bound on how many points `spacing` [m] apart a rectangle holds: discs cover at most pi / sqrt(12)."""
-    return 2 / np.sqrt(3) * float(np.prod(sides + spacing)) / spacing**2 if spacing else np.inf
+    return 2 / np.sqrt(3) * float(np.prod(sides + spacing)) / spacing**2
 
 
 def _room_needed(scene: Scene) -> float:

@@ -1,5 +1,6 @@
 """Records of finished jobs: kept by whoever made them, merged by whoever comes, lost by nobody."""
 
+import io
 import json
 import multiprocessing
 import os
@@ -58,6 +59,31 @@ def test_a_killed_run_loses_at_most_the_line_it_was_writing(tmp_path_factory, ke
     assert len(read_ledger(folder)) == whole
 
 
+def test_a_killed_run_that_had_our_number_costs_only_what_it_was_writing(tmp_path) -> None:
+    # In a container, the number of a killed command and that of the next one are often the same.
+    first = json.dumps(["a", MEASURED]) + "\n"
+    leave_journal(tmp_path, first + first[:9], f"{HOST}-{os.getpid()}")
+    with Ledger(tmp_path) as ledger:
+        ledger.add("b", MEASURED)
+        ledger.add("c", MEASURED)
+    assert sorted(read_ledger(tmp_path)) == ["a", "b", "c"]
+
+
+def test_records_of_no_known_kind_are_none(tmp_path) -> None:
+    records = [["a", {}], ["b", {"only": "sound"}], ["c", {"only": ["video"]}], ["d", 4], ["e", MEASURED]]
+    leave_journal(tmp_path, "".join(json.dumps(record) + "\n" for record in records))
+    for name in "abcd":
+        (tmp_path / name).touch()
+    assert sorted(read_ledger(tmp_path)) == ["e"]
+    merge(tmp_path)
+    assert sorted(read_ledger(tmp_path)) == ["e"]
+
+
+def test_the_section_of_a_record_says_its_kind(tmp_path) -> None:
+    (tmp_path / "manifest.json").write_text('{"measurements": {"a": {"only": "sound"}}}')
+    assert read_ledger(tmp_path) == {"a": {"only": "measure"}}
+
+
 def test_a_running_run_s_journal_is_read_and_left(tmp_path) -> None:
     own = leave_journal(tmp_path, json.dumps(["a", MEASURED]) + "\n", f"{HOST}-{os.getppid()}")
     far = leave_journal(tmp_path, json.dumps(["b", MEASURED]) + "\n", "elsewhere-1")
@@ -105,6 +131,37 @@ def test_a_journal_that_cannot_be_written_is_said(tmp_path) -> None:
         with pytest.raises(EmovidError, match=r"manifest\.json: cannot be written: no space left on device"):
             ledger.add("a", MEASURED)
         path.unlink()
+
+
+def test_a_journal_that_is_written_in_part_is_said(tmp_path) -> None:
+    class Full(io.RawIOBase):
+        def write(self, line: bytes) -> int:
+            return len(line) - 1
+
+    with Ledger(tmp_path) as ledger:
+        ledger._journal = Full()
+        with pytest.raises(EmovidError, match="cannot be written: no space left on device: free some space"):
+            ledger.add("a", MEASURED)
+    assert ledger.records == {}
+
+
+def test_a_manifest_that_cannot_be_written_leaves_the_journal_to_the_next_run(tmp_path) -> None:
+    (tmp_path / "manifest.json").mkdir()
+    with pytest.raises(EmovidError, match="is a directory"), Ledger(tmp_path) as ledger:
+        ledger.add("a", MEASURED)
+    with pytest.raises(ZeroDivisionError), Ledger(tmp_path) as ledger:  # an error that came first says more
+        ledger.add("b", {"only": "measure", "inverse": 1 / 0})
+    (tmp_path / "manifest.json").rmdir()
+    merge(tmp_path, tmp_path / f".manifest.json.{HOST}-{os.getpid()}.journal")
+    assert sorted(read_ledger(tmp_path)) == ["a"]
+    assert hidden(tmp_path) == []
+
+
+def test_a_lock_that_cannot_be_taken_is_said(tmp_path) -> None:
+    leave_journal(tmp_path, json.dumps(["a", MEASURED]) + "\n")
+    (tmp_path / ".manifest.json.lock").mkdir()
+    with pytest.raises(EmovidError, match=r"manifest\.json: cannot be written: is a directory"):
+        merge(tmp_path)
 
 
 def _add(folder: Path, worker: int) -> None:

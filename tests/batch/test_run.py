@@ -92,6 +92,8 @@ def test_what_goes_wrong_is_one_line(error, message) -> None:
 def test_what_should_not_happen_says_where(tmp_path) -> None:
     ((_, outcome),) = run(_fail, [ZeroDivisionError("division by zero")], InProcess(lambda *_: None))
     assert str(outcome).startswith("unexpected ZeroDivisionError: division by zero, at test_run.py:")
+    ((_, outcome),) = run(_fail, [ValueError("not one line,\n  but two")], InProcess(lambda *_: None))
+    assert str(outcome).startswith("unexpected ValueError: not one line, but two, at test_run.py:")
 
 
 def test_a_ctrl_c_is_nobody_s_failure() -> None:
@@ -145,6 +147,33 @@ def test_a_worker_that_takes_over_is_heard_although_the_end_of_the_last_is_notic
         slot.submit(_succeed, 1).result(60)
         slot.hear(last, lambda *_: None)
         assert slot.open_lines
+
+
+def test_a_worker_that_died_with_nothing_to_do_is_replaced() -> None:
+    with closing(Processes(1, lambda *_: None)) as pool:
+        idle = pool.submit(_pid, 1).result(60)
+        os.kill(idle, signal.SIGKILL)
+        executor = pool._slots[0]._pool
+        assert executor
+        deadline = time.monotonic() + 60
+        while not executor._broken:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+        assert pool.submit(_pid, 2).result(60) != idle
+
+
+def test_a_report_that_comes_after_its_item_has_ended_is_not_passed_on() -> None:
+    slot, (line, worker) = _Slot(), Pipe()
+    heard = []
+    slot._number = 2
+    for number, done in ((1, 8), (2, 3)):
+        worker.send((number, done, 9))
+        slot.hear(line, lambda *told: heard.append(told))
+    assert heard == [(None, 3, 9)]
+
+
+def _pid(item, on_step) -> int:
+    return os.getpid()
 
 
 def _succeed(item, on_step) -> bool:

@@ -1,16 +1,20 @@
 """sweep.yaml: what is read, what becomes of it, and the one line for what cannot be meant."""
 
+import shutil
 from pathlib import Path
 
 import pytest
+import yaml
+from PIL import Image
 
 from emovid.batch import sweep as sweep_module
 from emovid.batch.sweep import axes, items, shard_of
 from emovid.batch.sweep_file import SweepFile, read_sweep_file
 from emovid.errors import InputError, SceneError
-from emovid.scene.load import find_scene
+from emovid.scene.load import find_scene, load_scene
 
 ROOT = Path(__file__).parents[2]
+DRAWN = {"law": "coverage", "kappa": 1.0, "density": {"kind": "image", "file": "a.png", "smoothing": 0.05}}
 
 
 @pytest.fixture
@@ -58,10 +62,27 @@ def test_what_is_set_is_no_column(read) -> None:
         ("{from: 3, to: 1, count: 2}", [3.0, 1.0]),
         ("{from: 1, to: 100, count: 3, log: true}", [1.0, 10.0, 100.0]),
         ("{from: 0.1, to: 0.7, count: 7}", [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]),
+        ("{from: 2.0, to: 4, count: 3}", [2.0, 3.0, 4.0]),
     ],
 )
 def test_a_range_is_evenly_spaced(read, text, expected) -> None:
     assert [cell[1] for cell in cells(read(f"scenes: [anger]\ngrid: {{robot.K: {text}}}\n"))] == expected
+
+
+def test_a_range_of_whole_numbers_fits_a_key_that_counts(read) -> None:
+    assert cells(read("scenes: [fear]\ngrid: {robots: {from: 5, to: 15, count: 3}}\n")) == [
+        ("fear", 5),
+        ("fear", 10),
+        ("fear", 15),
+    ]
+    with pytest.raises(SceneError, match=r"robots: 5\.5: expected a whole number"):
+        items(read("scenes: [fear]\ngrid: {robots: {from: 5, to: 6, count: 3}}\n"))
+
+
+def test_scenes_of_a_testbed_are_known_from_any_folder(read, monkeypatch) -> None:
+    monkeypatch.chdir("/")
+    (item,) = items(read("scenes: [robotarium/sadness]\n"))
+    assert item.scene.resolved() == load_scene("robotarium/sadness").resolved()
 
 
 def test_a_number_of_seeds_is_the_first_so_many(read) -> None:
@@ -105,6 +126,42 @@ def test_the_plan_is_the_same_sweep_without_other_files(read, tmp_path) -> None:
     assert again.plan() == first.plan()
 
 
+def test_the_plan_holds_the_robots_and_pictures_of_its_scenes(read, tmp_path) -> None:
+    scenes = tmp_path / "scenes"
+    scenes.mkdir()
+    anger = find_scene("anger").read_text().replace("model: gritsbot", "model: own.yaml")
+    (scenes / "mine.yaml").write_text(anger.replace("limits: null", "limits: model"))
+    (scenes / "own.yaml").write_bytes((ROOT / "configs/robots/gritsbot.yaml").read_bytes())
+    (scenes / "drawn.yaml").write_text(yaml.safe_dump(load_scene("fear").resolved() | {"behaviour": DRAWN}))
+    for name, grey in (("a", 0), ("b", 99)):
+        Image.new("L", (8, 8), grey).save(scenes / f"{name}.png")
+    first = read(
+        "only: measure\nscenes: [scenes/mine.yaml, scenes/drawn.yaml]\nset: {robots: 3, start.min_spacing: null}\n"
+        "list: [{robot.K: 2}, {robot.limits: null}, {robot.model: e_puck2}]\n"
+    )
+    named = [item.name for item in items(first)]
+    plan = first.plan()
+    shutil.rmtree(scenes)
+    assert [item.name for item in items(read(plan, "plan.json"))] == named
+
+
+def test_the_plan_finds_files_that_are_set(read, tmp_path) -> None:
+    for name, grey in (("a", 0), ("b", 99), ("c", 150)):
+        Image.new("L", (8, 8), grey).save(tmp_path / f"{name}.png")
+    (tmp_path / "own.yaml").write_bytes((ROOT / "configs/robots/e_puck2.yaml").read_bytes())
+    (tmp_path / "drawn.yaml").write_text(yaml.safe_dump(load_scene("fear").resolved() | {"behaviour": DRAWN}))
+    first = read(
+        "scenes: [drawn.yaml]\nset: {robots: 3, start.min_spacing: null, robot: {model: own.yaml, l: 0.01, K: 1}}\n"
+        "grid: {behaviour.density.file: [b.png, c.png]}\n"
+    )
+    (tmp_path / "elsewhere").mkdir()
+    again = read(first.plan(), "elsewhere/plan.json")
+    for one, other in zip(items(first), items(again), strict=True):
+        assert one.scene.robot == other.scene.robot
+        assert one.scene.behaviour.density.pixels == other.scene.behaviour.density.pixels
+    assert len({item.scene.behaviour.density.pixels for item in items(again)}) == 2
+
+
 def test_axes_are_named_in_the_order_of_items(read) -> None:
     sweep = read("scenes: [anger]\nseeds: [4]\nlist: [{robots: 3, robot.l: 0.01}]\ngrid: {robot.K: [1.0, 2]}\n")
     assert axes(sweep) == [
@@ -123,6 +180,11 @@ WRONG = {
     "scenes: {}": "sweep.yaml:1: scenes: expected a list of emotions and scene files",
     "scenes: []": "sweep.yaml:1: scenes: expected a list of emotions and scene files",
     "scenes:\n  - angr": "sweep.yaml:2: scenes.0: angr: no such file or emotion (did you mean anger?)",
+    "scenes: [/no/such.yaml]": "sweep.yaml:1: scenes.0: /no/such.yaml: no such file or emotion",
+    "scenes: [robotarium/angr]": "sweep.yaml:1: scenes.0: robotarium/angr: no such file or emotion (did you mean "
+    "robotarium/anger?)",
+    "scenes: {mine: 3}": "sweep.yaml:1: scenes.mine: expected a name and the keys of a scene",
+    "scenes: {../mine: {robots: 3}}": "sweep.yaml:1: scenes.../mine: expected a name and the keys of a scene",
     "scenes: [3]": "sweep.yaml:1: scenes.0: 3: expected an emotion or a scene file",
     "scenes: [anger, anger]": "sweep.yaml:1: scenes.1: anger: there is another scene called anger",
     "scenes: [anger]\nonly: vidoe": "sweep.yaml:2: only: 'vidoe': expected one of video, trajectory, measure",
@@ -154,10 +216,18 @@ WRONG = {
 
 
 @pytest.mark.parametrize(("text", "message"), WRONG.items())
-def test_a_mistake_names_file_line_and_key(read, tmp_path, text, message) -> None:
+@pytest.mark.parametrize("folder", ["/", "."], ids=["from elsewhere", "from its folder"])
+def test_a_mistake_names_file_line_and_key(read, tmp_path, monkeypatch, folder, text, message) -> None:
+    monkeypatch.chdir(tmp_path / folder)
     with pytest.raises(SceneError) as error:
         items(read(text))
     assert str(error.value).replace(f"{tmp_path}/", "") == message
+
+
+@pytest.mark.parametrize("text", ["", "{", "[" * 100_000, '{"scenes": 9' + "9" * 5000 + "}"])
+def test_a_plan_that_is_no_json_is_one_line(read, text) -> None:
+    with pytest.raises(SceneError, match=r"plan\.json: not JSON: expected a plan that emovid sweep wrote$"):
+        read(text, "plan.json")
 
 
 def test_a_mistake_in_a_scene_names_the_scene(read, tmp_path) -> None:

@@ -76,6 +76,21 @@ def test_a_scheduler_that_goes_ends_the_run_and_the_next_completes_it(folder, tm
     assert contents(target) == contents(folder / "here")
 
 
+def test_a_cluster_without_dask_says_what_to_install(folder, tmp_path, capsys, monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    assert main(["sweep", str(folder / "s.yaml"), "-o", str(tmp_path / "x"), "--scheduler", "tcp://127.0.0.1:9"]) == 2
+    assert capsys.readouterr().err == "--scheduler needs Dask: pip install 'emovid[dask]'\n"
+    assert not (tmp_path / "x").exists()
+
+
+def test_an_address_without_its_certificates_is_one_line(folder, tmp_path) -> None:
+    arguments = ["sweep", str(folder / "s.yaml"), "-o", str(tmp_path / "x"), "--scheduler", "tls://127.0.0.1:9"]
+    done = subprocess.run([sys.executable, "-m", "emovid", *arguments], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr.startswith("--scheduler tls://127.0.0.1:9: TLS expects a `ssl_context`")
+    assert done.stderr.count("\n") == 1
+
+
 def test_a_scheduler_that_is_not_there_is_one_line(folder, tmp_path, capsys, monkeypatch) -> None:
     monkeypatch.setattr(cluster, "_PATIENCE", 0.5)
     arguments = ["sweep", str(folder / "s.yaml"), "-o", str(tmp_path / "x"), "--scheduler", "tcp://127.0.0.1:9"]

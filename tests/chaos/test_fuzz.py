@@ -6,6 +6,7 @@ from contextlib import redirect_stderr
 from io import StringIO
 from pathlib import Path
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -139,6 +140,27 @@ def test_any_values_of_a_scene_give_a_video_or_one_line(scene) -> None:
         file = Path(folder) / "scene.yaml"
         assignments = [part for key, value in values.items() for part in ("--set", f"{key}={value}")]
         check_render(["render", emotion, *TINY, *assignments], file, emotion)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["render", "{}"],
+        ["render", "anger", "-o", "{}/x.mp4"],
+        ["sweep", "{}"],
+        ["sweep", "look_ahead_and_gain", "-o", "{}"],
+        ["status", "{}"],
+        ["verify", "{}"],
+        ["simulate", "anger", "-o", "{}/x.npz"],
+    ],
+    ids=" ".join,
+)
+def test_a_name_longer_than_the_system_takes_is_one_line(command, capsys) -> None:
+    assert main([part.format("x" * 300) for part in command]) == 2
+    said = capsys.readouterr().err
+    assert "xxx" in said
+    assert said.endswith("file name too long\n")
+    assert said.count("\n") == 1
 
 
 @given(spoilt([SWEEP]) | st.text(max_size=40))

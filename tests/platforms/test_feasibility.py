@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.distance import pdist
 
 from emovid.cli.main import main
 from emovid.platforms.feasibility import TESTBEDS, check_platform, contour_spacing, wall_distance
@@ -11,6 +12,7 @@ from emovid.scene.emotions import EMOTIONS, PLATFORMS
 from emovid.scene.load import Setting, load_scene
 from emovid.scene.model import Scene
 from emovid.swarm.clearance import room_on_stage
+from emovid.swarm.contours import followed_points, start_angles
 from emovid.swarm.simulate import simulate
 from emovid.swarm.unicycle import look_ahead
 
@@ -46,6 +48,25 @@ def test_shipped_scenes_can_run_on_other_seeds_too(platform: str, emotion: str) 
 )  # fmt: skip
 def test_what_a_testbed_cannot_do_fails_its_check(name: str, keys: dict[str, object], expected: set[str]) -> None:
     assert expected <= failed(name, keys)
+
+
+def test_the_spacing_on_a_contour_is_of_any_two_points() -> None:
+    # Its dents all but touch the centre: there, points that are not neighbours along the contour come nearest.
+    scene = scene_of("happiness", {"behaviour.R": 0.19, "behaviour.A": 0.18})
+    theta_0, law = start_angles(scene.robots), scene.behaviour
+    seen = np.inf
+    for t in np.linspace(0, scene.duration, 3000):
+        points = followed_points(law, theta_0, t)
+        seen = min(seen, *pdist(points))
+    assert contour_spacing(scene) == pytest.approx(seen, rel=0.01)
+    assert contour_spacing(scene) == pytest.approx(np.sqrt(3) * 0.01, rel=0.01)  # three at a time in dents 0.01 m out
+
+
+def test_one_robot_has_none_to_keep_apart_from() -> None:
+    run = simulate(scene_of("robotarium/fear", {"duration": 1, "snapshots": None, "robots": 1}))
+    names = [check.name for check in check_platform(run, TESTBEDS["robotarium"])]
+    assert not {"spacing on the contour", "between bodies", "collision points"} & set(names)
+    assert {"robots", "from bodies to walls", "fastest wheel", "time without a solution"} <= set(names)
 
 
 def test_an_experiment_is_at_most_a_quarter_of_an_hour() -> None:

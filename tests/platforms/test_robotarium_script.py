@@ -325,6 +325,7 @@ def test_the_command_takes_a_scene_a_seed_and_an_arena(tmp_path, capsys) -> None
         (["angr"], "angr: no such file or emotion (did you mean anger?)"),
         ([], "expected one scene: a file, or --emotion and one of happiness, surprise, sadness, fear, disgust, anger"),
         (["anger", "--all"], "--all: expected no scene beside it"),
+        (["--all", "-o", "a.py"], "-o a.py: is one file; expected a folder for six scripts"),
         (["anger", "-o", "a.m"], "-o a.m: cannot write .m; expected .py, or a folder"),
     ],
 )

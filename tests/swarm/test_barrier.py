@@ -12,6 +12,7 @@ from emovid.scene.model import Scene
 from emovid.scene.safety import spacing_of
 from emovid.swarm.barrier import Certified, certified
 from emovid.swarm.clearance import room_on_stage
+from emovid.swarm.coverage import coverage_velocity
 from emovid.swarm.simulate import simulate
 from emovid.swarm.start import start_poses
 from emovid.swarm.summary import closest_approach
@@ -219,3 +220,18 @@ def test_a_barrier_of_its_own_period_leaves_the_held_command():
     assert len(own.commands) > 8 * len(whole.commands)
     times = np.linspace(0, 2, 50)
     assert np.abs(own.at(times)[..., :2] - whole.at(times)[..., :2]).max() < 1e-12
+
+
+def test_a_robot_that_faces_anywhere_takes_up_its_course_again_once_nothing_is_in_the_way() -> None:
+    scene = crowd("crazyflie", robots=8, control_period=1.0, duration=10)
+    run, held = simulate(scene), scene.steps_held  # what robots want is up to 1 s old, and others pass meanwhile
+    assert run.bend is not None
+    back = 0
+    for start in range(0, len(run.commands), held):
+        u = coverage_velocity(scene.behaviour, scene.stage, run.poses[start, :, :2])
+        course = np.arctan2(u[:, 1], u[:, 0])
+        for k in range(start, start + held):
+            free = run.bend[k] == 0
+            assert run.poses[k, free, 2] == pytest.approx(course[free])
+            back += np.count_nonzero(free & run.bend[start:k].any(axis=0))
+    assert back > 0

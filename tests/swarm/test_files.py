@@ -1,8 +1,12 @@
 import csv
 import re
+from dataclasses import replace
+from io import BytesIO
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from emovid.errors import EmovidError, InputError
 from emovid.scene.load import Setting
@@ -59,11 +63,50 @@ def test_the_look_of_a_finished_run_can_change_but_not_its_motion(run, tmp_path)
         load_trajectory(tmp_path / "run.npz", [Setting("seed", 3, "--seed 3")])
 
 
-@pytest.mark.parametrize("content", [b"", b"no archive", b"PK\x03\x04 broken"])
+def npy() -> bytes:
+    file = BytesIO()
+    np.save(file, np.zeros(3))
+    return file.getvalue()
+
+
+@pytest.mark.parametrize("content", [b"", b"no archive", b"PK\x03\x04 broken", npy()])
 def test_a_file_that_is_no_run_is_refused(tmp_path, content) -> None:
     (tmp_path / "x.npz").write_bytes(content)
     with pytest.raises(InputError, match="not a run"):
         load_trajectory(tmp_path / "x.npz")
+
+
+@given(st.lists(st.tuples(st.integers(0, 10_000), st.integers(0, 255)), min_size=1, max_size=3))
+def test_a_spoilt_run_is_whole_or_refused(run, tmp_path_factory, changes) -> None:
+    file = tmp_path_factory.getbasetemp() / "spoilt.npz"
+    save_trajectory(run, file)
+    content = bytearray(file.read_bytes())
+    for place, byte in changes:
+        content[place % len(content)] = byte
+    file.write_bytes(content)
+    try:
+        loaded = load_trajectory(file)
+    except InputError:
+        return
+    assert loaded.digest() == run.digest()
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "message"),
+    [
+        (
+            "poses",
+            lambda poses: np.where(poses == poses.max(), np.nan, poses),
+            "not all of poses are finite numbers",
+        ),
+        ("commands", lambda commands: commands.astype("U9"), "not all of commands are finite numbers"),
+        ("t", lambda t: t[::-1], "the times in t do not rise"),
+    ],
+)
+def test_a_run_of_what_are_no_numbers_is_refused(run, tmp_path, name, change, message) -> None:
+    save_trajectory(replace(run, **{name: change(getattr(run, name))}), tmp_path / "run.npz")
+    with pytest.raises(InputError, match=f"run.npz: not a run: {message}"):
+        load_trajectory(tmp_path / "run.npz")
 
 
 def test_a_run_of_other_shapes_is_refused(run, tmp_path) -> None:

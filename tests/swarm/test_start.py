@@ -7,6 +7,7 @@ from stages import HEXAGON, THIN, TRIANGLE, keys_of
 
 from emovid.errors import SceneError
 from emovid.scene.model import Scene
+from emovid.swarm import start
 from emovid.swarm.clearance import room_on_stage
 from emovid.swarm.contours import followed_points, start_angles
 from emovid.swarm.start import _most, start_poses
@@ -69,6 +70,14 @@ def test_listed_bodies_may_not_overlap(make_scene) -> None:
         start_poses(scene, rng())
 
 
+def test_darts_are_not_thrown_for_ever(make_scene, monkeypatch) -> None:
+    scene = make_scene("anger", {"robots": 60})
+    assert len(start_poses(scene, rng())) == 60
+    monkeypatch.setattr(start, "_THROWS", 1)
+    with pytest.raises(SceneError, match=r"60 robots do not fit into .* at random .*: room was found for [2-5][0-9]$"):
+        start_poses(scene, rng())
+
+
 def test_a_thousand_robots_find_room_on_a_large_stage(make_scene) -> None:
     scene = make_scene("anger", {"robots": 1000, "stage.width": 5.0, "stage.height": 4.0})
     assert pdist(start_poses(scene, rng())[:, :2]).min() >= 0.06
@@ -123,7 +132,3 @@ def test_the_densest_lattice_has_no_more_points_than_the_bound(spacing, width, h
     rows = int(height / (np.sqrt(3) / 2 * spacing)) + 1
     even, odd = int(width / spacing) + 1, int(np.floor(width / spacing - 0.5)) + 1
     assert (rows + 1) // 2 * even + rows // 2 * odd <= _most(np.array([width, height]), spacing)
-
-
-def test_points_that_may_coincide_have_no_bound() -> None:
-    assert _most(np.array([1.0, 1.0]), 0.0) == np.inf

@@ -54,6 +54,16 @@ def test_cells_are_those_of_qhull(robots: int) -> None:
     assert areas(voronoi_cells(points, CORNERS)) == pytest.approx(expected, rel=1e-9, abs=1e-14)
 
 
+def test_what_qhull_gets_wrong_is_noticed() -> None:
+    # Twelve robots within a tenth of a micrometre: Qhull gives a triangulation that is none, and does not say so.
+    rng = np.random.default_rng(35)
+    apart = rng.uniform([-0.6, -0.4], [0.6, 0.4], (12, 2))
+    points = np.concatenate([apart, rng.normal(0, 1e-7, (12, 2))])
+    with np.errstate(all="ignore"):
+        assert voronoi._delaunay_links(points[:, 0] + 1j * points[:, 1]) is None
+    assert_cells_are_those_of_cutting(points, CORNERS, about=1e-9)
+
+
 def test_one_robot_has_the_whole_stage() -> None:
     assert voronoi_cells(np.array([[0.3, 0.1]]), CORNERS)[0] == pytest.approx(CORNERS)
 

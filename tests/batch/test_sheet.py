@@ -1,0 +1,72 @@
+"""The contact sheet of a sweep: how its pictures lie, and when it is made again."""
+
+import os
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from emovid.batch import sheet
+from emovid.batch.job import make
+from emovid.batch.ledger import Ledger
+from emovid.batch.sheet import write_sheet
+from emovid.batch.sweep import axes, items
+from emovid.batch.sweep_file import read_sweep_file
+
+WIDE, HIGH = 480, 270  # pixels of a picture: as wide as can be
+
+
+@pytest.fixture
+def draw(tmp_path):
+    """Give a function that makes the items of a sweep and then its sheet, and returns where that is to be."""
+
+    def draw_sheet(varied: str) -> Path:
+        text = f"only: trajectory\nscenes: [fear]\nset: {{duration: 0.25, robots: 2}}\n{varied}\n"
+        (tmp_path / "sweep.yaml").write_text(text)
+        sweep = read_sweep_file(tmp_path / "sweep.yaml")
+        every = items(sweep)
+        records = {item.name: make(item.job(tmp_path, sweep.only)) for item in every}
+        with Ledger(tmp_path) as ledger:
+            for name, record in records.items():
+                ledger.add(name, record)
+        write_sheet(tmp_path, every, axes(sweep), records, 1)
+        return tmp_path / sheet.NAME
+
+    return draw_sheet
+
+
+def size(file: Path) -> tuple[int, int]:
+    with Image.open(file) as picture:
+        return picture.size
+
+
+@pytest.mark.parametrize(
+    ("varied", "columns", "rows"),
+    [
+        ("seeds: 1", 1, 1),
+        ("seeds: 3", 3, 1),
+        ("seeds: 9", 3, 3),  # more than can be seen in one row
+        ("seeds: 2\ngrid: {robot.K: [4, 8, 12]}", 2, 3),
+    ],
+)
+def test_pictures_lie_in_rows_and_columns_of_what_varies(draw, varied, columns, rows) -> None:
+    width, height = size(draw(varied))
+    assert columns * WIDE < width < (columns + 1) * WIDE
+    assert rows * HIGH < height < (rows + 1) * HIGH
+
+
+def test_a_sheet_is_made_again_only_when_it_would_show_something_else(draw) -> None:
+    file = draw("seeds: 2")
+    os.utime(file, (0, 0))
+    assert draw("seeds: 2").stat().st_mtime == 0
+    assert draw("seeds: [2, 3]").stat().st_mtime > 0
+    shown = file.read_bytes()
+    file.write_bytes(b"spoilt")
+    assert draw("seeds: [2, 3]").read_bytes() == shown
+
+
+def test_more_rows_than_can_be_looked_at_are_no_sheet(draw, monkeypatch) -> None:
+    monkeypatch.setattr(sheet, "MAX_SIDE", 2)
+    assert draw("seeds: 2").exists()
+    draw("seeds: 2").unlink()
+    assert not draw("seeds: 3").exists()
