@@ -14,11 +14,13 @@ from emovid.figures.style import (
     INK,
     POINTS,
     SINGLE_COLUMN,
+    TEXT,
     heading,
     in_style,
     settle,
     steps,
     text_width,
+    wrapped,
 )
 
 Rates = NDArray[np.float64]
@@ -27,6 +29,10 @@ _BARS = 0.8  # share of an emotion's place that its bars fill
 _BESIDE = 40.0  # what the vertical axis takes of the width [pt]
 _SWATCH = 28.0  # what a legend's entry takes beside its text [pt]
 _BAR = 8.0  # least width of a bar in a figure of one column [pt]
+_LINE = 1.6 * TEXT  # of a legend [pt]
+_HEIGHT = 2.4  # of a figure with short names [in]
+_SHORT = 30.0  # names on the axis that are longer [pt] make it higher, as do more lines of legend than two
+_SLANT = 35  # of names that do not fit side by side [degrees]
 
 
 @in_style()
@@ -43,7 +49,7 @@ def accuracy_figure(
     """Draw the share of right answers as bars, one for each level of a group beside the next, with intervals.
 
     Args:
-        rates: (levels, emotions) share of right answers, 0 to 1; nan where nobody answered: no bar.
+        rates: (levels, emotions) share of right answers, 0 to 1; nan where nobody answered: no bar, no interval.
         low: lower ends of the intervals, alike (95 % Wilson intervals, say).
         high: upper ends.
         emotions: labels of the videos.
@@ -56,12 +62,13 @@ def accuracy_figure(
         raise ValueError(f"rates and intervals are {[np.shape(table) for table in (rates, low, high)]}, not {shape}")
     fits = len(emotions) * len(levels) * _BAR / _BARS <= width * POINTS - _BESIDE
     width = width if fits and len(emotions) <= 8 else DOUBLE_COLUMN
-    figure = Figure(figsize=(width, 2.4), layout="constrained")
+    figure = Figure(figsize=(width, _HEIGHT), layout="constrained")
     axes = figure.add_subplot()
     _draw_bars(axes, levels, *(100 * np.asarray(table) for table in (rates, low, high)))
     axes.axhline(100 * chance, color=INK, linewidth=0.9, linestyle=(0, (4, 2)), label="chance")
-    _draw_axes(axes, [heading(emotion) for emotion in emotions], (width * POINTS - _BESIDE) / len(emotions))
-    _draw_legend(figure, axes, width * POINTS)
+    below = _draw_axes(axes, [heading(emotion) for emotion in emotions], (width * POINTS - _BESIDE) / len(emotions))
+    above = _draw_legend(figure, axes, width * POINTS)
+    figure.set_figheight(_HEIGHT + max(below - _SHORT, 0) / POINTS + max(above - 2, 0) * _LINE / POINTS)
     return settle(figure)
 
 
@@ -73,15 +80,20 @@ def _draw_bars(axes: Axes, levels: Sequence[str], rates: Rates, low: Rates, high
         x = places + (i - (len(levels) - 1) / 2) * width
         axes.bar(x, np.nan_to_num(rates[i]), width, color=colour, edgecolor=INK, linewidth=0.5, label=level)
         # Lines and not error bars: those want lengths, which rounding makes negative where a rate is 0 or 1.
-        axes.vlines(x, low[i], high[i], color="white", linewidth=2.2)
-        axes.vlines(x, low[i], high[i], color=INK, linewidth=0.9)
+        answered = ~np.isnan(rates[i])
+        ends = x[answered], low[i][answered], high[i][answered]
+        axes.vlines(*ends, color="white", linewidth=2.2)
+        axes.vlines(*ends, color=INK, linewidth=0.9)
 
 
-def _draw_axes(axes: Axes, emotions: list[str], place: float) -> None:
-    """Draw the axes; names wider than an emotion's place [pt] are slanted."""
-    slanted = text_width(emotions) > place - 3
-    slant: dict[str, Any] = {"rotation": 35, "ha": "right", "rotation_mode": "anchor"} if slanted else {}
-    axes.set_xticks(range(len(emotions)), emotions, **slant)
+def _draw_axes(axes: Axes, emotions: list[str], place: float) -> float:
+    """Draw the axes and return how far down names reach [pt]: slanted or upright if wider than their place [pt]."""
+    widest = text_width(emotions)
+    turn = 0 if widest <= place - 3 else _SLANT if widest * np.cos(np.radians(_SLANT)) <= _BESIDE + place else 90
+    how: dict[str, Any] = {"rotation": turn, "ha": "right", "rotation_mode": "anchor"} if turn else {}
+    if turn == 90:
+        how["va"] = "center"
+    axes.set_xticks(range(len(emotions)), emotions, **how)
     axes.set_xlim(-0.55, len(emotions) - 0.45)
     axes.set_ylim(0, 100)
     axes.set_yticks(range(0, 101, 20))
@@ -90,15 +102,18 @@ def _draw_axes(axes: Axes, emotions: list[str], place: float) -> None:
     axes.grid(axis="y", color=FAINT, linewidth=0.4)
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)
+    return float(widest * np.sin(np.radians(turn)))
 
 
-def _draw_legend(figure: Figure, axes: Axes, width: float) -> None:
-    """Draw the legend above, in as many columns as fit into the width [pt]."""
+def _draw_legend(figure: Figure, axes: Axes, width: float) -> int:
+    """Draw the legend above, in as many columns as fit into the width [pt]; return how many lines it has at most."""
     handles, labels = axes.get_legend_handles_labels()
     bars = handles[1:] + handles[:1]  # matplotlib lists lines first
-    names = labels[1:] + labels[:1]
-    columns = _columns([text_width([name]) + _SWATCH for name in names], width)
-    figure.legend(bars, names, loc="outside upper center", ncols=columns, handlelength=1.4, columnspacing=1.2)
+    names = [wrapped(label, width - _SWATCH) for label in labels[1:] + labels[:1]]
+    columns = _columns([text_width(lines) + _SWATCH for lines in names], width)
+    texts = ["\n".join(lines) for lines in names]
+    figure.legend(bars, texts, loc="outside upper center", ncols=columns, handlelength=1.4, columnspacing=1.2)
+    return max(int(lines.sum()) for lines in np.array_split([len(lines) for lines in names], columns))
 
 
 def _columns(widths: list[float], room: float) -> int:

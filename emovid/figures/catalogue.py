@@ -74,9 +74,11 @@ class Entry(NamedTuple):
         """Yield the figure as a file of each format."""
         figure = self.figure(material, width) if set(formats) & set(FORMATS) else None
         for format in formats:
-            if figure is not None and format in FORMATS:
+            if format in FORMATS:
+                assert figure is not None
                 yield encoded(figure, format)
-            elif self.data:
+            else:
+                assert self.data is not None  # see `formats`
                 yield TEXTS[format](self.data).encode()
 
 

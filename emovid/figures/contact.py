@@ -37,25 +37,26 @@ def contact_figure(
         captions: of the pictures, row by row, instead of labels.
         width: of the figure [in], if it is to be wider than pictures and labels.
     """
-    high, wide = pictures.shape[:2]
+    high, wide, height, across, _ = pictures.shape
     if (len(rows), len(columns)) != (high, wide) and not captions:
         raise ValueError(f"{high} x {wide} pictures, {len(rows)} x {len(columns)} labels")
-    height, across = pictures.shape[2:4]
     below = round(_LINE * DPI) if captions else 0
-    image = _joined(pictures, below)
+    step = np.array([across + _GAP, height + below + _GAP])  # from a picture to the next [pixels]
+    inside = np.array([wide, high]) * step - _GAP
     left = text_width(rows) / POINTS + (2.5 if row_title else 1.0) * _LINE
-    slanted = not captions and text_width(columns) > (across + _GAP) / DPI * POINTS - 4
+    slanted = not captions and text_width(columns) > step[0] / DPI * POINTS - 4
     top = (text_width(columns) / POINTS if slanted else _LINE) + (2.0 if column_title else 1.0) * _LINE
     if captions:
         left = top = _EDGE
-    size = np.array([max(image.shape[1] / DPI + left + _EDGE, width or 0), image.shape[0] / DPI + top + _EDGE])
+    size = np.maximum(inside / DPI + [left + _EDGE, top + _EDGE], [width or 0, 0])
     figure = Figure(figsize=(float(size[0]), float(size[1])))
-    bounds = (left / size[0], _EDGE / size[1], image.shape[1] / DPI / size[0], image.shape[0] / DPI / size[1])
-    axes = figure.add_axes(bounds)
-    axes.imshow(image, interpolation="none", aspect="auto", extent=(0, image.shape[1], image.shape[0], 0))
+    bounds = (left / size[0], _EDGE / size[1], *(inside / DPI / size))
+    axes = figure.add_axes(bounds, xlim=(0, inside[0]), ylim=(inside[1], 0))
+    for i, row in enumerate(pictures):  # row by row: matplotlib takes some 130 bytes for a pixel of an image
+        extent = (0, inside[0], i * step[1] + height, i * step[1])
+        axes.imshow(_joined(row), interpolation="none", aspect="auto", extent=extent)
     axes.set_axis_off() if captions else axes.spines[:].set_visible(False)
-    x = np.arange(wide) * (across + _GAP) + across / 2
-    y = np.arange(high) * (height + below + _GAP) + height / 2
+    x, y = np.arange(wide) * step[0] + across / 2, np.arange(high) * step[1] + height / 2
     if captions:
         _caption(axes, x, y + height / 2 + below / 2, captions)
         return figure
@@ -81,12 +82,12 @@ def in_rows(pictures: NDArray[np.uint8], columns: int) -> NDArray[np.uint8]:
     return np.concatenate([pictures, blank]).reshape(-1, columns, *pictures.shape[1:])
 
 
-def _joined(pictures: NDArray[np.uint8], below: int) -> NDArray[np.uint8]:
-    """Return one picture of all, with gaps between them and `below` pixels for a caption under each."""
-    high, wide, height, width, _ = pictures.shape
-    cells = np.full((high, wide, height + below + _GAP, width + _GAP, 3), 255, np.uint8)
-    cells[:, :, :height, :width] = pictures
-    return cells.swapaxes(1, 2).reshape(high * (height + below + _GAP), wide * (width + _GAP), 3)[:-_GAP, :-_GAP]
+def _joined(pictures: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return one picture of those in a row (C, height, width, 3), with gaps between them."""
+    wide, height, width, _ = pictures.shape
+    cells = np.full((height, wide, width + _GAP, 3), 255, np.uint8)
+    cells[:, :, :width] = pictures.swapaxes(0, 1)
+    return cells.reshape(height, wide * (width + _GAP), 3)[:, :-_GAP]
 
 
 def _caption(axes: Axes, x: NDArray[np.float64], y: NDArray[np.float64], captions: Sequence[str]) -> None:

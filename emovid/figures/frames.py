@@ -53,7 +53,7 @@ def frames_figure(trajectory: Trajectory, times: Sequence[float], *, width: floa
     for axes, t in zip(panels, times, strict=True):
         for draw in draws:
             draw(axes, trajectory, t)
-        write_below(axes, f"$t$ = {t:g} s")
+        write_below(axes, f"$t$ = {round(t, 3):g} s")
     return figure
 
 

@@ -1,6 +1,8 @@
 """The figures of a study, from its results: the mapping that `results.json` holds."""
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Collection, Mapping, Sequence
+from itertools import chain, count
 from typing import Any
 
 import numpy as np
@@ -13,6 +15,8 @@ from emovid.figures.circumplex import POSITIONS, circumplex_figure
 from emovid.figures.confusion import confusion_figure
 
 Results = Mapping[str, Any]
+_LONGEST_NAME = 60  # letters; file systems take 255 bytes
+
 Answers = tuple[NDArray[np.int64], Sequence[str], Sequence[str]]
 
 
@@ -26,8 +30,17 @@ def study_figures(results: Results) -> dict[str, tuple[str, Figure]]:
     for column, levels in results["groups"].items():
         if levels:
             figure = accuracy_figure(*recognition_of(results, column))
-            made[f"accuracy-{column.replace('_', '-')}"] = (f"Recognition by {column.replace('_', ' ')}", figure)
+            made[_file_name(column, made)] = (f"Recognition by {column.replace('_', ' ')}", figure)
     return made
+
+
+def _file_name(column: str, taken: Collection[str]) -> str:
+    """Return a name that any file system takes and no other file has: a group may be called by a whole question."""
+    words = re.findall(r"[^\W_]+", column)
+    name = "-".join(["accuracy", *words])[:_LONGEST_NAME]
+    used = {other.casefold() for other in taken}
+    numbered = (f"{name}-{i}" for i in count(2))
+    return next(free for free in chain([name], numbered) if free.casefold() not in used)
 
 
 def answers_of(results: Results) -> Answers:

@@ -127,3 +127,14 @@ def text_width(texts: Iterable[str]) -> float:
     font = FontProperties(family="DejaVu Sans", size=TEXT)
     measure = TextToPath().get_text_width_height_descent
     return max((measure(text, font, ismath=False)[0] for text in texts), default=0.0)
+
+
+def wrapped(text: str, width: float) -> list[str]:
+    """Return the text in lines no wider than `width` [pt], unless a word is."""
+    lines: list[str] = []
+    for word in text.split(" ") if text else []:
+        if lines and text_width([f"{lines[-1]} {word}"]) <= width:
+            lines[-1] += f" {word}"
+        else:
+            lines.append(word)
+    return lines

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from emovid.figures.attributes import Cell, Table, cited, named
-from emovid.figures.style import DOUBLE_COLUMN, INK, POINTS, QUIET, TEXT, heading, in_style, text_width
+from emovid.figures.style import DOUBLE_COLUMN, INK, POINTS, QUIET, TEXT, heading, in_style, text_width, wrapped
 from emovid.swarm.arrays import Array
 
 _MARKS = ("†", "‡", "§")
@@ -87,7 +87,7 @@ def table_figure(table: Table, *, width: float = DOUBLE_COLUMN) -> Figure:
                 written.append(_Line(text, float(start), y + _ABOVE + i * _LINE, colour, slanted))
         return y + _ABOVE + max(map(len, columns)) * _LINE
 
-    y = row([[(text, INK) for text in _wrapped(name, w)] for name, w in zip(table.columns, widths, strict=True)], 0.0)
+    y = row([[(text, INK) for text in wrapped(name, w)] for name, w in zip(table.columns, widths, strict=True)], 0.0)
     for title, rows in table.groups:
         y += _ABOVE
         rules.append((y, "midrule"))
@@ -98,7 +98,7 @@ def table_figure(table: Table, *, width: float = DOUBLE_COLUMN) -> Figure:
     y += _ABOVE
     rules.append((y, "bottomrule"))
     for mark, note in zip(_MARKS, table.notes, strict=False):
-        y = row([[(text, INK) for text in _wrapped(f"{mark} {note}", right - left)]], y)
+        y = row([[(text, INK) for text in wrapped(f"{mark} {note}", right - left)]], y)
     return _drawn(written, rules, width, y)
 
 
@@ -151,19 +151,8 @@ def _lines_of(cell: Cell, width: float) -> list[tuple[str, str]]:
     """Return the lines of a cell: its text and, quieter, its source."""
     source = _source(cell)
     parts = [source] if text_width([source]) <= width else source.split("; ")  # one to a line, then
-    quiet = [(line, QUIET) for part in parts for line in _wrapped(part, width)]
-    return [*((line, INK) for line in _wrapped(_marked(cell, _MARKS), width)), *quiet] or [("–", QUIET)]
-
-
-def _wrapped(text: str, width: float) -> list[str]:
-    """Return the text in lines no wider than `width` [pt], unless a word is."""
-    lines: list[str] = []
-    for word in text.split(" ") if text else []:
-        if lines and text_width([f"{lines[-1]} {word}"]) <= width:
-            lines[-1] += f" {word}"
-        else:
-            lines.append(word)
-    return lines
+    quiet = [(line, QUIET) for part in parts for line in wrapped(part, width)]
+    return [*((line, INK) for line in wrapped(_marked(cell, _MARKS), width)), *quiet] or [("–", QUIET)]
 
 
 def _source(cell: Cell) -> str:

@@ -29,6 +29,7 @@ _THINNEST = 0.4  # width of a trail where a panel is small [pt]
 _HALO = 0.4  # width of the light rim that lifts a robot off the trails [pt]
 _FLATNESS = 0.03  # by which a trail may stray from its arcs [pt]
 _SLICE = 1.0  # seconds of a trail drawn in one go, as in the videos
+_INSIDE = np.array([1e-9, -1e-9])  # s; a slice has its ends, and not once more the points that are there
 PAPER = THEMES["light"].model_copy(update={"stage": "#ffffff", "surround": "#ffffff"})
 # Any: the stubs lack parse_math.
 _AT: Any = {"xycoords": "axes fraction", "textcoords": "offset points", "annotation_clip": False, "parse_math": True}
@@ -145,7 +146,7 @@ def slices(trajectory: Trajectory, robots: Sequence[int], since: float, until: f
     made = []
     for k in range(len(cuts) - 1):
         for robot, (times, points) in zip(robots, traces, strict=True):
-            first, last = np.searchsorted(times, cuts[k : k + 2], side="right")
+            first, last = np.searchsorted(times, cuts[k : k + 2] + _INSIDE)
             made.append(np.concatenate([ends[k : k + 1, robot], points[first:last], ends[k + 1 : k + 2, robot]]))
     return made
 

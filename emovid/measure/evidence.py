@@ -15,6 +15,7 @@ def evidence(trajectory: Trajectory) -> dict[str, float]:
     [m/s]. `neighbour_gain`: nearest_neighbour_end over _start. `centre_gain`: distance_to_centre_end over _start.
     `size_gain`: radius_of_gyration_end over _start. `circumference_share`: distance_travelled over the circumference of
     a circle of the mean radius of gyration. `boundary_share`: distance_to_boundary_end over the stage's smaller side.
+    A ratio over 0, as some of a lone robot's are, is NaN.
     """
     found = describe(trajectory)
     slowest, fastest = speeds_in_a_second(trajectory)
@@ -23,10 +24,10 @@ def evidence(trajectory: Trajectory) -> dict[str, float]:
         **found,
         "slowest_second": slowest,
         "fastest_second": fastest,
-        "neighbour_gain": found["nearest_neighbour_end"] / found["nearest_neighbour_start"],
-        "centre_gain": found["distance_to_centre_end"] / found["distance_to_centre_start"],
-        "size_gain": found["radius_of_gyration_end"] / found["radius_of_gyration_start"],
-        "circumference_share": found["distance_travelled"] / (2 * np.pi * found["radius_of_gyration_mean"]),
+        "neighbour_gain": _ratio(found["nearest_neighbour_end"], found["nearest_neighbour_start"]),
+        "centre_gain": _ratio(found["distance_to_centre_end"], found["distance_to_centre_start"]),
+        "size_gain": _ratio(found["radius_of_gyration_end"], found["radius_of_gyration_start"]),
+        "circumference_share": _ratio(found["distance_travelled"], 2 * np.pi * found["radius_of_gyration_mean"]),
         "boundary_share": found["distance_to_boundary_end"] / min(right - left, top - bottom),
     }
 
@@ -44,3 +45,7 @@ def speeds_in_a_second(trajectory: Trajectory) -> tuple[float, float]:
     starts = starts[(starts >= t[0]) & (starts <= t[-1] - length + 1e-12)]
     speeds = (np.interp(starts + length, t, way) - np.interp(starts, t, way)) / length
     return float(speeds.min()), float(speeds.max())
+
+
+def _ratio(value: float, over: float) -> float:
+    return value / over if over else float("nan")

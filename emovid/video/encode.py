@@ -50,7 +50,7 @@ def write_video(
         RenderError: with ffmpeg's own words.
     """
     with whole_file(target) as part:
-        _encode(frames, [*arguments, str(part)], target, on_frame)
+        _encode(frames, [*arguments, address(part)], target, on_frame)
         _check_count(count_frames(part), count, target)
 
 
@@ -69,7 +69,7 @@ def write_pictures(
     """
     check_sequence(target)
     with whole_folder(target) as part:
-        _encode(frames, [*arguments, str(part).replace("%", "%%") + f"/{PICTURE}"], target, on_frame)
+        _encode(frames, [*arguments, address(part).replace("%", "%%") + f"/{PICTURE}"], target, on_frame)
         _check_count(len(list(part.iterdir())), count, target)
 
 
@@ -93,9 +93,14 @@ def ffmpeg_version() -> str:
     return found[1] if found else "unknown"
 
 
+def address(path: Path) -> str:
+    """Return a path as ffmpeg takes it: in a name like 10:30.mp4 or concat:a it would see a protocol."""
+    return f"file:{path}"
+
+
 def count_frames(video: Path) -> int:
     """Return the number of frames in a file, by walking through its packets; 0 for a file that is no video."""
-    arguments = ["-v", "error", "-nostdin", "-i", str(video), "-map", "0:v:0", "-c", "copy", "-f", "null"]
+    arguments = ["-v", "error", "-nostdin", "-i", address(video), "-map", "0:v:0", "-c", "copy", "-f", "null"]
     done = _ask([*arguments, "-progress", "pipe:1", "-"])
     counts = re.findall(r"^frame=\s*(\d+)", done.stdout, re.MULTILINE)
     return int(counts[-1]) if counts and done.returncode == 0 else 0

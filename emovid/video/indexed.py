@@ -9,7 +9,7 @@ from emovid.video.canvas import Box, Pixels
 
 Colours24 = NDArray[np.uint32]  # red + 2^8 green + 2^16 blue
 
-COLOURS = 255
+COLOURS = 255  # of the 256 in a palette: GIF needs one for pixels that stay as they are
 _RGB = 0xFFFFFF
 
 
@@ -47,7 +47,7 @@ class Indexed:
 
 
 def frequent_colours(pictures: Iterable[Pixels]) -> Colours24:
-    """Return the colours that most pixels of the pictures (height, width, 4) have, at most 256."""
+    """Return the colours that most pixels of the pictures (height, width, 4) have, at most `COLOURS`."""
     found = [np.unique(picture.view(np.uint32) & _RGB, return_counts=True) for picture in pictures]
     colours, place = np.unique(np.concatenate([colours for colours, _ in found]), return_inverse=True)
     counts = np.bincount(place, np.concatenate([counts for _, counts in found]))

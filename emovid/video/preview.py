@@ -40,8 +40,8 @@ def show(trajectory: Trajectory, width: int = 480, fps: int = 15) -> Player:
 
     Args:
         trajectory: with the scene whose `video` is the look.
-        width: of the player [pixels], the height in proportion; even.
-        fps: frames per second.
+        width: of the player [pixels], the height in proportion; both are made even and large enough for a video.
+        fps: frames per second, at most those of the scene.
 
     Raises:
         RenderError: if the video cannot be made.
@@ -52,13 +52,13 @@ def show(trajectory: Trajectory, width: int = 480, fps: int = 15) -> Player:
         target = Path(folder) / "run.mp4"
         render_video(run, target)
         label = f"{scene.emotion or 'a swarm'}, {scene.duration:g} s, {scene.video.size}"
-        return Player(target.read_bytes(), label, width)
+        return Player(target.read_bytes(), label, scene.video.width)
 
 
 def reduced(trajectory: Trajectory, width: int, fps: int, format: FormatName = "mp4") -> Trajectory:
     """Return the same run with a smaller video: `width` [pixels], the height in proportion, `fps` at most."""
     video = reduced_video(trajectory.scene.video, width).model_copy(
-        update={"fps": min(fps, trajectory.scene.video.fps), "format": format}
+        update={"fps": max(min(fps, trajectory.scene.video.fps), 1), "format": format}
     )
     return replace(trajectory, scene=trajectory.scene.model_copy(update={"video": video}))
 

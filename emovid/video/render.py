@@ -102,7 +102,7 @@ def _encodable(drawn: Iterable[tuple[Pixels, list[Box]]], trajectory: Trajectory
             return (picture for picture, _ in drawn)
         case "yuv420p":
             convert = Yuv420(video.width, video.height).convert
-        case "pal8":
+        case "pal8":  # pragma: no branch - there is no other kind
             convert = Indexed(video.width, video.height, _frequent_colours(trajectory)).convert
     return (convert(picture, changed) for picture, changed in drawn)
 

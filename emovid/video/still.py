@@ -11,11 +11,10 @@ import numpy as np
 from emovid.errors import InputError, RenderError
 from emovid.swarm.arrays import Array, Indices
 from emovid.video.canvas import Pixels
-from emovid.video.encode import ffmpeg
+from emovid.video.encode import address, ffmpeg
 from emovid.video.formats import PICTURE
 
 _PATIENCE, _LONG = 60, 600  # seconds that reading a frame, or a whole video, may take
-_NO_PROTOCOL = "file:"  # before a path: in a name like concat:a, ffmpeg would see something else
 
 
 class Film(NamedTuple):
@@ -46,16 +45,17 @@ def read_film(video: Path) -> Film:
         InputError: if it is none.
     """
     # Decoded, not only unpacked: what an edit list hides, and where B-frames come to stand, the decoder knows.
-    listed = _asked(["-i", f"{_NO_PROTOCOL}{video}", "-map", "0:v:0", "-fps_mode", "passthrough", "-f", "framecrc"])
+    listed = _asked(["-i", address(video), "-map", "0:v:0", "-fps_mode", "passthrough", "-f", "framecrc"])
     lines = listed.stdout.decode(errors="replace").splitlines() if listed.returncode == 0 else []
     head = dict(line[1:].split(": ", 1) for line in lines if line.startswith("#"))
-    frames = np.array([line.split(",")[2:4] for line in lines if line[:1].isdigit()], dtype=float)
-    if not len(frames):
+    frames = [tuple(map(int, line.split(",")[2:4])) for line in lines if line[:1].isdigit()]  # start and length [ticks]
+    if not frames:
         raise InputError(f"{video}: no video that can be read")
     tick, (width, height) = Fraction(head["tb 0"]), map(int, head["dimensions 0"].split("x"))
     shape = head.get("sar 0", "0/1")  # of a pixel, width by height; 0/1 is not known
-    times = (frames[:, 0] - frames[0, 0]) * float(tick)
-    end = float(times[-1] + max(frames[-1, 1], 1) * tick)
+    (first, _), (last, length) = frames[0], frames[-1]
+    times = np.array([start - first for start, _ in frames]) * float(tick)
+    end = float((last - first + max(length, 1)) * tick)  # rounded once: 3 s of video end at 3, and not a little before
     return Film(times, end, round(width * (Fraction(shape) or 1)), height)
 
 
@@ -67,7 +67,7 @@ def film_frames(video: Path, chosen: Sequence[int], width: int, height: int) -> 
     """
     numbers, places = np.unique(chosen, return_inverse=True)
     which = "+".join(f"eq(n,{number})" for number in numbers)
-    source = ["-i", f"{_NO_PROTOCOL}{video}", "-map", "0:v:0", "-fps_mode", "passthrough"]
+    source = ["-i", address(video), "-map", "0:v:0", "-fps_mode", "passthrough"]
     filters = f"select='{which}',{_fitted(width, height)}"
     return _pictures(video, [*source, "-vf", filters], len(numbers), width, height, _LONG)[places]
 
@@ -85,7 +85,7 @@ def last_frame(video: Path, frames: int, fps: int, width: int, height: int) -> P
     Raises:
         RenderError: if it cannot be read.
     """
-    source = ["-i", str(video / (PICTURE % (frames - 1)))] if video.is_dir() else _from((frames - 1.5) / fps, video)
+    source = ["-i", address(video / (PICTURE % (frames - 1)))] if video.is_dir() else _from((frames - 1.5) / fps, video)
     try:
         return _pictures(video, [*source, "-vf", _fitted(width, height)], 1, width, height, _PATIENCE)[0]
     except RenderError:
@@ -93,7 +93,7 @@ def last_frame(video: Path, frames: int, fps: int, width: int, height: int) -> P
 
 
 def _from(seconds: float, video: Path) -> list[str]:
-    return ["-ss", f"{max(seconds, 0):.6f}", "-i", str(video)]
+    return ["-ss", f"{max(seconds, 0):.6f}", "-i", address(video)]
 
 
 def _fitted(width: int, height: int) -> str:

@@ -11,6 +11,7 @@ from matplotlib.patches import FancyArrowPatch
 from matplotlib.text import Text
 from scipy.spatial import Voronoi
 
+from emovid.figures import densities
 from emovid.figures.densities import centroids, converged, densities_figure, density_map
 from emovid.figures.diffeomorphism import clearest_step, diffeomorphism_figure
 from emovid.figures.following import LARGE_L, PATH, SMALL_L, follow, following_figure, strays
@@ -22,6 +23,7 @@ from emovid.scene.robots import Body
 from emovid.swarm.contours import followed_points, start_angles
 from emovid.swarm.coverage import corners_of
 from emovid.swarm.simulate import simulate
+from emovid.swarm.start import start_poses
 from emovid.swarm.unicycle import look_ahead, near_identity
 from emovid.swarm.voronoi import voronoi_cells
 
@@ -204,6 +206,18 @@ def test_surprise_is_shown_at_both_radii(round_runs) -> None:
 def test_only_arrows_too_short_to_be_seen_are_enlarged(round_runs) -> None:
     insets = [len(axes.child_axes) for axes in shapes_figure(round_runs, [2, 2, 2]).axes]
     assert insets == [0, 0, 1]
+
+
+def test_robots_that_never_come_to_rest_are_drawn_after_the_last_step(make_scene, monkeypatch) -> None:
+    scene = make_scene("anger")
+    start = start_poses(scene, np.random.default_rng(scene.seed))[:, :2]
+    monkeypatch.setattr(densities, "_MOST", 2)
+    assert converged(scene) == pytest.approx(centroids(scene, centroids(scene, start)))
+
+
+def test_a_density_has_no_contour_to_be_drawn(make_scene) -> None:
+    with pytest.raises(ValueError, match="a coverage behaviour has no contour"):
+        shapes_figure([simulate(make_scene("fear", {"duration": 0.5}))], [0.0])
 
 
 def test_converged_robots_are_at_the_centroids_of_their_cells(make_scene) -> None:

@@ -1,3 +1,4 @@
+import tracemalloc
 from io import BytesIO
 
 import numpy as np
@@ -47,3 +48,13 @@ def test_long_labels_are_inside_the_sheet() -> None:
     )
     edges = np.concatenate([sheet[:5].reshape(-1, 3), sheet[:, :5].reshape(-1, 3), sheet[:, -5:].reshape(-1, 3)])
     assert (edges == 255).all()
+
+
+def test_a_sheet_of_many_rows_takes_little_more_memory_than_its_pixels() -> None:
+    # A sweep of ten thousand runs makes a sheet of 130 million pixels; as one image it would take 16 GB.
+    pictures = np.zeros((40, 3, 90, 160, 3), np.uint8)
+    tracemalloc.start()
+    encoded(contact_figure(pictures, captions=[str(i) for i in range(120)]), "png")
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert most < 30 * pictures.size / 3

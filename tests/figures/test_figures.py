@@ -25,6 +25,7 @@ from emovid.figures.accuracy import accuracy_figure
 from emovid.figures.bubbles import fan
 from emovid.figures.circumplex import POSITIONS, Position, circumplex_figure
 from emovid.figures.confusion import confusion_figure, percent_of_columns
+from emovid.figures.study import study_figures
 from emovid.figures.style import (
     DOUBLE_COLUMN,
     EMOTION_COLOURS,
@@ -278,6 +279,12 @@ def test_confusion_is_drawn_with_rows_perceived_from_the_top() -> None:
     assert sum(word == "–\n(0)" for word in words(figure)) == 6  # nobody answered the other two videos
 
 
+def test_a_study_has_the_figures_that_its_results_allow() -> None:
+    # Emotions that have no place on the circumplex, and a group that nobody is in.
+    results = {"counts": [[3, 1], [1, 3]], "emotions": ["joy", "awe"], "labels": ["joy", "awe"], "groups": {"age": {}}}
+    assert list(study_figures(results)) == ["confusion-matrix"]
+
+
 def test_percent_of_columns() -> None:
     percent = percent_of_columns(np.array([[3, 0], [1, 0]]))
     assert percent[:, 0].tolist() == [75, 25]
@@ -406,13 +413,33 @@ def test_bars_are_as_high_as_the_rates_with_intervals_and_chance() -> None:
     assert {*LEVELS, "chance", "Accuracy (%)", *(emotion.capitalize() for emotion in EMOTIONS)} <= set(words(figure))
 
 
-def test_a_group_without_answers_has_no_bar() -> None:
+def test_a_group_without_answers_has_neither_bar_nor_interval() -> None:
     rates = RATES.copy()
     rates[1, 3] = np.nan
-    figure = accuracy_figure(rates, rates - 0.1, rates + 0.1, EMOTIONS, LEVELS, 1 / 6)
+    low, high = RATES - 0.1, RATES + 0.1
+    low[1, 3], high[1, 3] = 0, 1  # Wilson's interval for 0 of 0
+    figure = accuracy_figure(rates, low, high, EMOTIONS, LEVELS, 1 / 6)
     bars = [bar for bar in figure.axes[0].patches if isinstance(bar, Rectangle)]
     assert sum(bar.get_height() == 0 for bar in bars) == 1
+    spans = np.array([segment for lines in figure.axes[0].collections for segment in lines.get_segments()])
+    assert len(spans) == 2 * 11
+    assert np.ptp(spans[..., 1], axis=1) == pytest.approx(20)
     assert encoded(figure, "pdf")
+
+
+@pytest.mark.parametrize(
+    "levels", [LEVELS, [f"{which} {'who have worked with robots for a while ' * 5}" for which in LEVELS]]
+)
+@pytest.mark.parametrize("emotions", [EMOTIONS, [f"an emotion with a long name such as {k}" for k in range(6)]])
+def test_however_long_names_are_all_of_them_can_be_read_and_bars_keep_their_size(levels, emotions) -> None:
+    plain, figure = accuracy(), accuracy_figure(RATES, RATES - 0.2, RATES + 0.2, emotions, levels, 1 / 6)
+    page = figure.bbox
+    for text in texts(figure):
+        box = text.get_window_extent()
+        assert page.x0 <= box.x0 < box.x1 <= page.x1, text
+        assert page.y0 <= box.y0 < box.y1 <= page.y1, text
+    assert figure.axes[0].bbox.height > 0.85 * plain.axes[0].bbox.height
+    assert figure.axes[0].bbox.width > 0.95 * plain.axes[0].bbox.width
 
 
 def test_rates_of_none_and_all_have_bars_and_intervals() -> None:

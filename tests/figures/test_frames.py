@@ -73,6 +73,16 @@ def test_slices_joined_are_the_trace_of_the_robot(run) -> None:
     assert part_of_it[[0, -1]] == pytest.approx(run.at(np.array([0.4, 1.3]))[:, 4, :2])
 
 
+def test_slices_hold_no_point_twice(run) -> None:
+    # Commands of fear change at whole seconds, where slices end; the last point but one says where a line comes from.
+    for line in slices(run, [0, 7], 0.0, 2.75, 1e-4):
+        assert np.hypot(*np.diff(line, axis=0).T).min() > 1e-9
+
+
+def test_times_are_written_to_the_millisecond(run) -> None:
+    assert words(frames_figure(run, [0, 1 / 3, 2.125])) == ["$t$ = 0 s", "$t$ = 0.333 s", "$t$ = 2.125 s"]
+
+
 def test_robots_have_the_colours_of_their_trails(run) -> None:
     axes = frames_figure(run, TIMES).axes[-1]
     bodies = [to_hex(colour) for colour in part(axes, "body").get_facecolor()]

@@ -59,6 +59,16 @@ def test_trails_lie_where_the_robots_were_and_nowhere_before_the_start(run) -> N
     assert filled(first, colour).area < trail.area  # the robot alone
 
 
+def test_trails_are_round_at_corners_where_their_slices_meet(make_scene) -> None:
+    # Fear turns at each quarter of a second, so at whole ones too, where a slice of its trails ends and another begins.
+    keys = {"duration": 4.0, "video.view": "perspective", "video.trails.width": 0.01, "video.trails.robots": 1}
+    run = simulate(make_scene("fear", keys))
+    trail = filled(frames_figure(run, [4.0]).axes[0], run.scene.video.palette.trails[0])
+    around = 0.0049 * np.stack([np.cos(angle := np.linspace(0, 2 * np.pi, 60)), np.sin(angle)], axis=-1)
+    for corner in run.at(np.array([1.0, 2.0, 3.0]))[:, 0, :2]:
+        assert trail.buffer(0.05).contains(shapely.Polygon(camera_of(run).pixels(corner + around)))
+
+
 def test_the_six_panels_of_the_robotarium_have_emotions_and_videos(run) -> None:
     runs = dict.fromkeys(EMOTIONS, run)
     for draw, videos in ((overhead_figure, OVERHEAD_VIDEOS), (perspective_figure, PERSPECTIVE_VIDEOS)):

@@ -3,7 +3,7 @@ from math import nan
 
 import pytest
 
-from emovid.measure.claims import CLAIMS, NOT_APPLIED, Quantity, judge
+from emovid.measure.claims import CLAIMS, NOT_APPLIED, Claim, Quantity, excepted, judge
 from emovid.measure.evidence import evidence
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, load_scene
@@ -71,6 +71,28 @@ def test_a_large_l_takes_the_angles_away(name: str) -> None:
     failed = [verdict.claim for verdict in judge(measured) if not verdict.holds]
     assert "fear, disgust and anger turn more per metre than the others" in failed
     assert "fear, disgust and anger have sharp corners along more than a third of their traces" in failed
+
+
+def test_of_robots_with_motors_anger_is_left_out_where_its_peaks_decide_and_nowhere_else() -> None:
+    measured = {name: dict(values) for name, values in shipped().items()}
+    measured["anger"] |= {"speed_peak": 0.0, "sparc": 0.0}
+    cut = {verdict.claim: verdict for verdict in judge(measured, motors=True)}
+    free = {verdict.claim: verdict for verdict in judge(measured)}
+    exceptions = excepted(motors=True)
+    assert {claim for claim, verdict in free.items() if not verdict.holds} == set(exceptions)
+    assert all(verdict.holds for verdict in cut.values())
+    for claim in exceptions:
+        assert claim not in cut or not any(value.startswith("anger.") for value in cut[claim].values)
+    assert set(free) - set(cut) == {
+        "anger has the highest peak speed",
+        "anger is the least smooth of all, by its speed profile (spectral arc length)",
+    }
+    assert excepted(motors=False) == {}
+
+
+def test_a_bound_stays_when_anger_is_left_out() -> None:
+    claim = Claim("", "", Quantity("speed_peak", ("anger", "fear")), 0.1, peaks=True)
+    assert claim.without_anger() == Claim("", "", Quantity("speed_peak", ("fear",)), 0.1, peaks=True)
 
 
 def test_every_claim_says_where_the_paper_does() -> None:

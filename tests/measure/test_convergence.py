@@ -52,6 +52,12 @@ def test_two_robots_settle_in_the_middles_of_the_halves(make_scene) -> None:
     assert np.abs(settled) == pytest.approx(np.array([[0.3, 0], [0.3, 0]]), abs=1e-4)
 
 
+def test_lloyd_s_iteration_ends_even_where_it_would_go_on_for_ever(make_scene) -> None:
+    stage = of_stage(make_scene("fear"))
+    start = np.array([[0.1, 0.05], [0.2, -0.1]])
+    assert lloyd(start, *stage, 0.0) == pytest.approx(lloyd(start, *stage, 1e-15), abs=1e-6)
+
+
 def test_robots_in_one_place_cost_what_one_costs(make_scene) -> None:
     points = np.array([[0.1, 0.05], [0.2, -0.1]])
     corners, density = of_stage(make_scene("fear"))

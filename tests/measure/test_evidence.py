@@ -28,3 +28,12 @@ def test_sadness_has_gone_an_eighth_of_its_circle() -> None:
     found = evidence(simulate(load_scene("sadness")))
     assert found["circumference_share"] == pytest.approx(1 / 8, rel=0.05)
     assert found["neighbour_gain"] == pytest.approx(1, abs=0.02)
+
+
+@pytest.mark.parametrize("name", ["happiness", "fear"])
+def test_a_lone_robot_has_no_swarm_whose_size_could_grow(name: str) -> None:
+    alone = simulate(load_scene(name, [Setting("robots", 1, "test"), Setting("duration", 1, "test")]))
+    found = evidence(alone)
+    missing = {key for key, value in found.items() if np.isnan(value)}
+    assert {"size_gain", "circumference_share", "neighbour_gain"} <= missing
+    assert not missing & {"slowest_second", "fastest_second", "centre_gain", "boundary_share", "speed_mean"}

@@ -74,8 +74,10 @@ def test_frames_are_counted_without_trusting_anyone(tmp_path) -> None:
         ("head -c 20000 > /dev/null; echo 'disk on fire' >&2; exit 3", "exit status 3: disk on fire"),
         ("exit 1", "exit status 1: no message"),
         ('head -c 40000 | "$real" "$@"; cat > /dev/null', "wrote 4 of 12 frames"),
+        ("cat > /dev/null; kill -XFSZ $$", f"exit status -{int(signal.SIGXFSZ)}: file too large: raise the limit"),
+        ("cat > /dev/null; kill -KILL $$", "exit status -9: killed$"),
     ],
-    ids=["no file", "dies midway", "dies at once", "frames lost"],
+    ids=["no file", "dies midway", "dies at once", "frames lost", "too large", "killed"],
 )
 def test_a_failing_ffmpeg_leaves_the_old_file(tmp_path, use_ffmpeg, script, message) -> None:
     target = tmp_path / "x.mp4"
@@ -88,12 +90,13 @@ def test_a_failing_ffmpeg_leaves_the_old_file(tmp_path, use_ffmpeg, script, mess
     assert left(tmp_path) == ["x.mp4"]
 
 
-def test_an_ffmpeg_that_hangs_is_killed(tmp_path, use_ffmpeg, monkeypatch) -> None:
+@pytest.mark.parametrize("count", [0, 100])  # nothing to take, and more than a pipe holds
+def test_an_ffmpeg_that_hangs_is_killed(tmp_path, use_ffmpeg, monkeypatch, count) -> None:
     monkeypatch.setattr(encode, "_GRACE", 0.3)
-    use_ffmpeg("exec sleep 1000 < /dev/null")
+    use_ffmpeg("exec sleep 1000 < /dev/null" if count == 0 else "exec sleep 1000")
     started = time.monotonic()
     with pytest.raises(RenderError, match="hangs: it did nothing for"):
-        write_video([], 0, encoder_arguments(*SIZE, 10), tmp_path / "x.mp4")
+        write_video(count * [Yuv420(*SIZE).planes], count, encoder_arguments(*SIZE, 10), tmp_path / "x.mp4")
     assert time.monotonic() - started < 30
     assert left(tmp_path) == []
 
@@ -102,6 +105,33 @@ def test_a_missing_ffmpeg_is_named(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(encode, "ffmpeg", lambda: "/nowhere/ffmpeg")
     with pytest.raises(RenderError, match=r"x\.mp4: ffmpeg cannot be started: /nowhere/ffmpeg: no such file"):
         write(tmp_path / "x.mp4")
+
+
+def test_a_machine_without_any_ffmpeg_is_told_how_to_get_one(monkeypatch) -> None:
+    def none() -> str:
+        raise RuntimeError("No ffmpeg exe could be found.")
+
+    monkeypatch.setattr(encode.imageio_ffmpeg, "get_ffmpeg_exe", none)
+    with pytest.raises(RenderError, match="no ffmpeg found: reinstall imageio-ffmpeg, or set IMAGEIO_FFMPEG_EXE"):
+        ffmpeg.__wrapped__()  # without what it remembers
+
+
+def test_an_ffmpeg_that_cannot_be_asked_says_so(tmp_path, monkeypatch, use_ffmpeg) -> None:
+    monkeypatch.setattr(encode, "_PATIENCE", 0.1)
+    use_ffmpeg("exec sleep 1000")
+    with pytest.raises(RenderError, match="ffmpeg does not answer: /"):
+        count_frames(tmp_path / "x.mp4")
+    monkeypatch.setattr(encode, "ffmpeg", lambda: "/nowhere/ffmpeg")
+    with pytest.raises(RenderError, match=r"^ffmpeg cannot be started: /nowhere/ffmpeg: no such file"):
+        count_frames(tmp_path / "x.mp4")
+
+
+def test_a_larger_rate_factor_makes_a_smaller_file(tmp_path) -> None:
+    noise = np.random.default_rng(0).integers(16, 235, (5, Yuv420(*SIZE).planes.size), np.uint8)
+    for crf in (None, 16, 40):
+        write_video(list(noise), 5, encoder_arguments(*SIZE, 10, crf=crf), tmp_path / f"{crf}.mp4")
+    size = {path.stem: path.stat().st_size for path in tmp_path.iterdir()}
+    assert size["None"] == size["16"] > 2 * size["40"]
 
 
 def test_an_interruption_leaves_nothing(tmp_path) -> None:
@@ -185,6 +215,16 @@ def test_names_that_look_like_patterns_are_names(tmp_path) -> None:
     assert left(tmp_path) == sorted([bystander.name, target.name])
 
 
+@pytest.mark.parametrize("name", ["2026-11-23T16:10/x.mp4", "concat:x.mp4", "pipe:1.mp4", "-y.mp4", "100 %d.mp4"])
+def test_a_file_or_its_folder_may_have_any_name(name, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    target = Path(name)
+    target.parent.mkdir(exist_ok=True)
+    write(target)
+    assert count_frames(target) == 12
+    assert left(tmp_path / target.parent) == [target.name]
+
+
 def test_what_a_living_process_writes_is_left_alone(tmp_path) -> None:
     own = tmp_path / f".x.mp4.{os.uname().nodename}-{os.getppid()}.part"
     own.write_bytes(b"")
@@ -228,12 +268,14 @@ def write_sequence(target: Path, count: int = 12, **keys: object) -> None:
     write_pictures(pictures(count), count, encoder_arguments(*SIZE, 10, "png-sequence"), target, **keys)  # type: ignore[arg-type]
 
 
-def test_pictures_are_the_frames_to_the_last_bit(tmp_path) -> None:
-    write_sequence(tmp_path / "x%d")
-    assert left(tmp_path) == ["x%d"]
-    assert left(tmp_path / "x%d") == [f"{k:05d}.png" for k in range(12)]
+@pytest.mark.parametrize("name", ["x%d", "10:30"])
+def test_pictures_are_the_frames_to_the_last_bit(name, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_sequence(Path(name))
+    assert left(tmp_path) == [name]
+    assert left(tmp_path / name) == [f"{k:05d}.png" for k in range(12)]
     for k, frame in enumerate(pictures(12)):
-        assert np.array_equal(np.asarray(Image.open(tmp_path / "x%d" / f"{k:05d}.png")), frame[..., :3])
+        assert np.array_equal(np.asarray(Image.open(tmp_path / name / f"{k:05d}.png")), frame[..., :3])
 
 
 def test_a_sequence_takes_the_place_of_a_longer_one(tmp_path) -> None:

@@ -20,6 +20,14 @@ def test_a_player_holds_the_run_at_the_width_and_rate_that_were_asked_for(make_s
     assert repr(player) == "Player(anger, 1 s, 160x90)"
 
 
+@pytest.mark.parametrize(("width", "fps", "size"), [(481, 0, (480, 270)), (0, -3, (64, 64))])
+def test_a_player_is_as_wide_as_its_video_whatever_was_asked_for(make_scene, width, fps, size) -> None:
+    run = simulate(make_scene("anger", {"duration": 1.0, "video.fps": 2}))
+    player = show(run, width, fps)
+    assert player.width == size[0]
+    assert f"anger, 1 s, {size[0]}x{size[1]}" in repr(player)
+
+
 def test_a_player_is_small_enough_for_a_notebook(make_scene) -> None:
     assert len(show(simulate(make_scene("happiness")))._repr_html_()) < 1_500_000
 

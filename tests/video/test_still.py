@@ -5,6 +5,7 @@ import pytest
 from PIL import Image
 
 from emovid.errors import InputError, RenderError
+from emovid.video import still
 from emovid.video.encode import write_video
 from emovid.video.formats import encoder_arguments
 from emovid.video.still import film_frames, last_frame, read_film
@@ -54,10 +55,30 @@ def test_the_last_frame_is_the_same_either_way(video) -> None:
     assert np.abs(last_frame(video, FRAMES, FPS, 40, 24).astype(int) - ours).max() <= 1
 
 
+def test_a_last_frame_that_is_not_there_says_what_to_do(video, tmp_path) -> None:
+    with pytest.raises(RenderError, match=r"greys\.\w+: its last frame cannot be read: make it again with --force"):
+        last_frame(video, 10 * FRAMES, FPS, 40, 24)
+    with pytest.raises(RenderError, match="its last frame cannot be read"):
+        last_frame(tmp_path, FRAMES, FPS, 40, 24)  # a folder without pictures
+
+
+def test_an_ffmpeg_that_does_not_answer_is_named(video, monkeypatch) -> None:
+    monkeypatch.setattr(still, "ffmpeg", lambda: "/nowhere/ffmpeg")
+    with pytest.raises(RenderError, match="ffmpeg does not answer: /nowhere/ffmpeg"):
+        read_film(video)
+
+
 def test_a_frame_of_another_shape_is_fitted_in_on_white(video) -> None:
     (tall,) = film_frames(video, [0], 40, 48)
     assert (tall[0] == 255).all()
     assert tall[24, 20] == pytest.approx(GREYS[0], abs=3)
+
+
+@pytest.mark.parametrize("fps", [7, 30, 49, 103, 240])
+def test_a_film_of_three_seconds_ends_at_three_seconds(fps, tmp_path) -> None:
+    frame = Yuv420(64, 64).planes
+    write_video([frame] * 3 * fps, 3 * fps, encoder_arguments(64, 64, fps), tmp_path / "x.mp4")
+    assert read_film(tmp_path / "x.mp4").end == 3.0
 
 
 def test_frames_may_last_differently_long(tmp_path) -> None:
@@ -72,6 +93,7 @@ def test_a_file_may_have_any_name(name, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     Image.new("L", (64, 64), 90).save(tmp_path / name, "gif")
     assert greys(Path(name), [0.0], (64, 64)) == [90]
+    assert (last_frame(Path(name), 1, 10, 64, 64) == 90).all()
 
 
 @pytest.mark.parametrize("data", [b"", b"no video", bytes(5000)])
