@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from emovid.errors import EmovidError
+from emovid.whole_files import reason
 
 _ROOM = 500_000_000  # bytes: the six videos take 13 MB, a sweep of hundreds as much for every six
 _SMALL = {"video.size": "96x64", "video.fps": 5, "duration": 1.0}
@@ -45,7 +46,7 @@ def checks(folder: Path) -> Iterator[Check]:
     yield from _videos()
     yield _fonts()
     yield _writing(folder)
-    yield _writing(Path(tempfile.gettempdir()))
+    yield _temporary()
     yield _browser()
     for extra, needs in _needs().items():
         if extra not in ("", *_OF_DEVELOPERS):
@@ -137,9 +138,17 @@ def _writing(folder: Path) -> Check:
             file.write(b"emovid")
         free = shutil.disk_usage(folder).free
     except OSError as error:
-        return Check(name, False, True, (error.strerror or str(error)).lower(), "work in a folder that is yours")
+        return Check(name, False, True, reason(error), "work in a folder that is yours")
     found = f"writable, {free / 1e9:.1f} GB free"
     return Check(name, free >= _ROOM, True, found, "" if free >= _ROOM else "make room, or give -o on another disk")
+
+
+def _temporary() -> Check:
+    """Return whether there is a folder for temporary files, as `_writing`."""
+    try:
+        return _writing(Path(tempfile.gettempdir()))
+    except OSError as error:  # none of those that Python tries can be written to
+        return Check("folder for temporary files", False, True, reason(error), "make room, or set TMPDIR")
 
 
 def _browser() -> Check:

@@ -61,12 +61,14 @@ def files(incomplete: str, *suffixes: str) -> list[str]:
     typed = f"{folder}/" if "/" in incomplete else ""
     try:
         inside = sorted(Path(typed or ".").expanduser().iterdir())
-    except OSError:
+        shown = [path for path in inside if path.name.startswith(name) and not path.name.startswith(".")]
+        return [
+            f"{typed}{path.name}{'/' * path.is_dir()}"
+            for path in shown
+            if path.is_dir() or path.suffix.lower() in suffixes
+        ]
+    except (OSError, RuntimeError):  # a folder that cannot be read or searched, the home of nobody
         return []
-    shown = [path for path in inside if path.name.startswith(name) and not path.name.startswith(".")]
-    return [
-        f"{typed}{path.name}{'/' * path.is_dir()}" for path in shown if path.is_dir() or path.suffix.lower() in suffixes
-    ]
 
 
 def _starting(incomplete: str, known: Iterable[str]) -> list[str]:

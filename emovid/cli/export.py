@@ -64,9 +64,11 @@ def robotarium(
     for chosen in EMOTIONS if every else [one_source(source, emotion)]:
         name = f"{_SCENES[arena]}/{chosen}" if chosen in EMOTIONS else chosen
         scene, stem = load_scene(name, settings(assignments, seed)), find_scene(name).stem
-        target = output_file(output, f"{stem}.py", _FOLDER, () if every else (".py",), (".m", ".yaml", ".txt"))
+        target = output_file(output, f"{stem}.py", _FOLDER, (".py",), (".m", ".yaml", ".txt"))
         text = robotarium_script(scene, stem, ARENAS[arena], trails=trails)
         written.append((target, text, {"file": str(target), "scene_digest": scene_digest(scene), "seed": scene.seed}))
+    if len({target for target, _, _ in written}) < len(written):
+        raise InputError(f"-o {output}: is one file; expected a folder for six scripts")
     for target, text, _ in written:
         make_folder(target.parent)
         with writing(target) as file:

@@ -23,7 +23,7 @@ def study_results(source: Path | None) -> Any:
     file = source / "results.json" if source.is_dir() else source
     if file.suffix.lower() != ".json":
         return analyze_counts(counts, labels, signalled)
-    results = json.loads(file.read_text(encoding="utf-8"))
+    results = json.loads(file.read_bytes())
     try:
         for column, levels in results["groups"].items():
             if levels:

@@ -154,8 +154,12 @@ def _check_options(names: list[str], formats: Sequence[str], given: "Mapping[str
 
 def _of_any(names: list[str], moments: Moments, overrides: "Sequence[Setting]") -> "list[Entry]":
     """Return the figure of any scene or video, if one is meant."""
-    kinds = [name for name in names if name in OF_ANY]
-    return [at_times(kinds[0], [name for name in names if name != kinds[0]], moments, overrides)] if kinds else []
+    kinds = [name for name in dict.fromkeys(names) if name in (*OF_ANY, EVERY, GALLERY)]
+    if not set(kinds) & set(OF_ANY):
+        return []
+    if len(kinds) > 1:
+        raise InputError(f"{' and '.join(kinds)}: expected one of them at a time")
+    return [at_times(kinds[0], [name for name in names if name != kinds[0]], moments, overrides)]
 
 
 def _asked(names: list[str], catalogue: "Mapping[str, Entry]") -> "list[Entry]":

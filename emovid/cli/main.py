@@ -1,5 +1,6 @@
 """The `emovid` command, and the one place where errors become a line on stderr and an exit code."""
 
+import errno
 import gc
 import os
 import signal
@@ -79,6 +80,11 @@ def main(arguments: list[str] | None = None) -> int:
     except BrokenPipeError:  # whoever read our output has had enough, as `head` does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
+    except OSError as error:  # that no command has foreseen, such as a name longer than the system takes
+        from emovid.whole_files import reason
+
+        place = f"{error.filename}: " if error.filename else ""
+        return _say(place + reason(error), 2 if error.errno == errno.ENAMETOOLONG else 1)
 
 
 def _say(message: str, code: int) -> int:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from emovid.cli import completion
-from emovid.cli.options import Json, Platform, Quiet, Seed, Set, on_platform, settings
+from emovid.cli.options import Json, Platform, Quiet, Seed, Set, is_run, on_platform, settings
 from emovid.errors import InputError
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ def _run_of(source: str, overrides: "Sequence[Setting]") -> _Run:
     from emovid.swarm.files import load_trajectory
     from emovid.swarm.simulate import check_start, simulate
 
-    if source.endswith(".npz"):
+    if is_run(source):
         trajectory = load_trajectory(Path(source), overrides)
         return _Run(trajectory.scene, lambda: trajectory)
     scene = load_scene(source, overrides)
@@ -118,7 +118,7 @@ def _write_csv(scenes: Mapping[str, Mapping[str, float]], target: Path) -> None:
             rows.writerow((scene, name, "" if isnan(value) else value, DESCRIPTORS[name].unit))
     make_folder(target.parent)
     with writing(target) as file:
-        file.write(text.getvalue().encode())
+        file.write(text.getvalue().encode(errors="backslashreplace"))  # as JSON has a name that is no Unicode
 
 
 def _print_json(

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from emovid.cli.options import is_run
 from emovid.errors import InputError
 
 if TYPE_CHECKING:
@@ -23,7 +24,6 @@ _KINDS = {
     FRAMES: "one scene: a file (.yaml), a finished run (.npz), or an emotion",
     CONTACT: "one video file, scene (.yaml), finished run (.npz) or emotion",
 }
-_SCENES = (".yaml", ".yml")
 _ON_A_SHEET = 16  # frames: in a run of 15 s, one a second
 MOST = 100  # times
 
@@ -79,7 +79,7 @@ def at_times(kind: str, sources: Sequence[str], asked: Moments, overrides: "Sequ
 
 def _is_scene(source: str) -> bool:
     """Return whether a source is no video: a scene, a run, or a word that names neither and will be said to."""
-    return Path(source).suffix.lower() in (*_SCENES, ".npz", "")
+    return is_run(source) or Path(source).suffix.lower() in (".yaml", ".yml", "")
 
 
 def _run(
@@ -97,7 +97,7 @@ def _run(
     from emovid.swarm.files import load_trajectory
     from emovid.swarm.simulate import simulate
 
-    if source.endswith(".npz"):
+    if is_run(source):
         run = load_trajectory(Path(source), overrides)
         end = float(run.t[-1])
         return run, asked.within(end, usual(run.scene, end))

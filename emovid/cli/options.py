@@ -42,6 +42,7 @@ Set = Annotated[
     ),
 ]
 Seed = Annotated[int | None, typer.Option("--seed", help="Replace the scene's seed.", show_default=False)]
+RandomSeed = Annotated[int, typer.Option("--seed", min=0, help="Of all that is random here.")]
 Jobs = Annotated[
     int | None, typer.Option("--jobs", "-j", min=1, help="How many are made at once.", show_default="one a core")
 ]
@@ -135,6 +136,24 @@ def settings(
     return made
 
 
+def is_run(source: str) -> bool:
+    """Return whether a source is a finished run, by its name."""
+    return source.lower().endswith(".npz")
+
+
+def check_file(file: Path, given: str) -> None:
+    """Raise an `InputError` if a file to write, `given` as in ``-o x.csv``, is a folder."""
+    if file.is_dir():
+        raise InputError(f"{given}: is a folder; expected a file")
+
+
+def refuse_beside(option: str, others: Mapping[str, object]) -> None:
+    """Raise an `InputError` if one of the `others`, which say nothing beside an option, is given all the same."""
+    for name, value in others.items():
+        if value not in (None, []):
+            raise InputError(f"{option}: expected no {name} beside it")
+
+
 def output_file(
     output: Path | None, name: str, default: str, suffixes: Sequence[str], others: Sequence[str] = ()
 ) -> Path:
@@ -150,8 +169,7 @@ def output_file(
     chosen = output or Path(default)
     expected = f"{' or '.join(suffixes)}, or a folder" if suffixes else "a folder"
     if chosen.suffix.lower() in suffixes:
-        if chosen.is_dir():
-            raise InputError(f"-o {chosen}: is a folder; expected a file")
+        check_file(chosen, f"-o {chosen}")
         return chosen
     if chosen.suffix.lower() in others and not chosen.is_dir():
         raise InputError(f"-o {chosen}: cannot write {chosen.suffix}; expected {expected}")

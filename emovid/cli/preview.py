@@ -80,7 +80,8 @@ def _target(output: Path | None, stem: str, format: str | None) -> Path:
     if format is not None and format not in _FORMATS:
         raise InputError(f"--format {format}: expected one of {', '.join(_FORMATS)}{nearest(format, _FORMATS)}")
     suffixes = [f".{name}" for name in _FORMATS if format in (None, name)]
-    return output_file(output, f"{stem}{suffixes[0]}", FOLDER, suffixes, (".mov", ".avi", ".mkv", ".jpg", ".pdf"))
+    others = (*(f".{name}" for name in _FORMATS), ".mov", ".avi", ".mkv", ".jpg", ".pdf")
+    return output_file(output, f"{stem}{suffixes[0]}", FOLDER, suffixes, others)
 
 
 def _make(source: str, overrides: "list[Setting]", target: Path, *, quiet: bool) -> None:

@@ -20,6 +20,7 @@ from emovid.cli.options import (
     Seed,
     Set,
     View,
+    is_run,
     on_platform,
     one_source,
     output_file,
@@ -122,7 +123,7 @@ def render(
             made = make_missing(missing, report, pool)
     raise_failures(made.failures.values(), len(work), "videos")
     if every:
-        names = {str(job.scene.emotion): job.target.name for job in work}
+        names = {name: job.target.name for name, job in zip(EMOTIONS, work, strict=True)}
         write_presentation_order(work[0].target.parent, names, seed or 0)
     if as_json:
         records = known | made.records
@@ -136,7 +137,7 @@ def _job(source: str, output: Path | None, overrides: "Sequence[Setting]") -> "J
     from emovid.swarm.files import load_trajectory
     from emovid.swarm.simulate import check_start
 
-    run = load_trajectory(Path(source), overrides) if source.endswith(".npz") else None
+    run = load_trajectory(Path(source), overrides) if is_run(source) else None
     scene = run.scene if run else load_scene(source, overrides)
     if run is None:
         check_start(scene)

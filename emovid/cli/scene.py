@@ -2,14 +2,17 @@
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from emovid.cli import completion
-from emovid.cli.options import Force, Json, Platform, Quiet, Scene, Seed, Set, on_platform, settings
+from emovid.cli.options import Force, Json, Platform, Quiet, Scene, Seed, Set, check_file, on_platform, settings
 from emovid.cli.scene_diff import diff
 from emovid.errors import InputError
+
+if TYPE_CHECKING:
+    from emovid.scene import model
 
 app = typer.Typer(help="List, show, check and make scenes.", no_args_is_help=True)
 
@@ -69,11 +72,8 @@ def show(
 
     Examples: emovid scene show anger · emovid scene show my.yaml --json
     """
-    from emovid.scene.load import find_scene, load_scene
-
-    scene = on_platform(scene, platform)
-    resolved = load_scene(scene).resolved()
-    typer.echo(json.dumps(resolved, indent=2) if as_json else find_scene(scene).read_text(encoding="utf-8"), nl=as_json)
+    valid, text = _read(on_platform(scene, platform))
+    typer.echo(json.dumps(valid.resolved(), indent=2) if as_json else text, nl=as_json)
 
 
 @app.command()
@@ -119,17 +119,16 @@ def new(
 
     Example: emovid scene new my.yaml --from anger
     """
-    from emovid.scene.load import find_scene, load_scene
     from emovid.whole_files import make_folder, writing
 
     source = on_platform(source, platform)
-    load_scene(source)
+    _, text = _read(source)
+    check_file(file, str(file))
     if file.exists() and not force:
         raise InputError(f"{file}: exists; --force replaces it")
-    text = find_scene(source).read_bytes()
     make_folder(file.parent)
     with writing(file) as target:
-        target.write(text)
+        target.write(text.encode())
     if not quiet:
         typer.echo(f"{file}: a copy of {source}; check it with emovid scene check {file}", err=True)
 
@@ -146,3 +145,13 @@ def schema() -> None:
 
 
 app.command()(diff)
+
+
+def _read(source: str) -> "tuple[model.Scene, str]":
+    """Return a scene and the text of its file, read once: it may be a pipe."""
+    from emovid.scene.load import find_scene, parse_scene
+    from emovid.scene.shipped import read_text
+
+    path = find_scene(source)
+    text = read_text(path)
+    return parse_scene(text, str(path), folder=path.parent), text

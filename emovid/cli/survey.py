@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from emovid.cli.kit import KitPath
-from emovid.cli.options import Json, Quiet
+from emovid.cli.options import Json, Quiet, check_file
 from emovid.errors import EmovidError, InputError
 
 if TYPE_CHECKING:
@@ -60,13 +60,13 @@ def responses(
     """
     from emovid.survey.export import responses_csv
     from emovid.survey.open import open_survey
-    from emovid.whole_files import writing
+    from emovid.whole_files import make_folder, writing
 
-    if output.is_dir():
-        raise InputError(f"-o {output}: is a folder; expected a file")
+    check_file(output, f"-o {output}")
     opened, store = open_survey(kit, pilot=pilot)
     text = responses_csv(store, opened.manifest, pilot=pilot, release=60 * release_after)
     store.close()
+    make_folder(output.parent)
     with writing(output) as file:
         file.write(text.encode())
     if not quiet:
@@ -84,6 +84,7 @@ def progress(kit: KitPath, pilot: Pilot = False, release_after: Release = 120, a
     from emovid.survey.progress import progress_of
 
     opened, store = open_survey(kit, pilot=pilot)
+    opened.need_orders()
     people = [person for person, _ in store.participants()]
     rows, codes = list(opened.orders), opened.manifest.codes
     found = progress_of(people, store.withdrawals(), rows, codes, store.clock(), 60 * release_after)

@@ -41,7 +41,11 @@ def complaint(error: ValidationError, places: Places, root: type[BaseModel] = Sc
         places: of the keys.
         root: the whole that was validated.
     """
-    found = [(item["type"] == "missing", *_problem(item, root)) for item in error.errors(include_url=False)]
+    items = error.errors(include_url=False)
+    # A list with a broken item counts as shorter than it is: the item says what is wrong.
+    broken = {item["loc"][:n] for item in items for n in range(len(item["loc"]))}
+    told = [item for item in items if item["type"] != "too_short" or item["loc"] not in broken]
+    found = [(item["type"] == "missing", *_problem(item, root)) for item in told]
     placed = [(missing, place_of(path, places), path, message) for missing, path, message in found]
     # A misspelt key is a missing one too, on the line of its group: the misspelling says more.
     _, where, path, message = min(placed, key=lambda problem: (problem[0], _line(problem[1])))

@@ -1,5 +1,6 @@
 """What the keys of all groups share: bounds, units, and how strictly values are read."""
 
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -35,3 +36,17 @@ ORIGIN = Point(x=0.0, y=0.0)
 def inconsistent(key: str, message: str) -> PydanticCustomError:
     """Return the error, for a validator to raise, of what is wrong beyond its own bounds with a dotted key inside."""
     return PydanticCustomError("inconsistent", "{message}", {"key": key, "message": message})
+
+
+def least(bound: float) -> str:
+    """Return a lower bound for a message: four digits, rounded up, so that what is named is allowed."""
+    return _four_digits(bound, ROUND_CEILING)
+
+
+def most(bound: float) -> str:
+    """Return an upper bound for a message: four digits, rounded down, so that what is named is allowed."""
+    return _four_digits(bound, ROUND_FLOOR)
+
+
+def _four_digits(number: float, rounding: str) -> str:
+    return f"{float(Context(prec=4, rounding=rounding).create_decimal(repr(number))):g}"

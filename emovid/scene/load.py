@@ -132,7 +132,10 @@ def _keys(text: str, where: str) -> tuple[dict[str, Any], Places]:
 
 def _apply(setting: Setting, data: dict[str, Any], places: dict[KeyPath, str]) -> None:
     """Replace one key in `data`; groups on the way that are missing or null are made."""
-    value = yaml_text.read_value(setting.value, setting.origin) if isinstance(setting.value, str) else setting.value
+    if isinstance(setting.value, str):
+        value = yaml_text.read_value(setting.value, setting.origin)
+    else:
+        value = deepcopy(setting.value)  # later settings and files that it names go into it
     *parents, last = key_path(setting.key)
     target: Any = data
     for i, part in enumerate(parents):
@@ -141,6 +144,8 @@ def _apply(setting: Setting, data: dict[str, Any], places: dict[KeyPath, str]) -
             places.setdefault((*parents[:i], part), setting.origin)
         target = _child(target, part, setting)
     _child(target, last, setting, new=value)
+    if last == "file":
+        target.pop("pixels", None)  # what was read from the file before
     path = (*parents, last if isinstance(target, list) else str(last))
     for inside in [known for known in places if known[: len(path)] == path]:
         del places[inside]

@@ -25,7 +25,7 @@ from emovid.scene.behaviour import (
     Sum,
 )
 from emovid.scene.emotions import EMOTIONS, EmotionName
-from emovid.scene.fields import MAX_DURATION, MAX_ROBOTS, Keys, Point, inconsistent
+from emovid.scene.fields import MAX_DURATION, MAX_ROBOTS, Keys, Point, inconsistent, least, most
 from emovid.scene.picture import picture_of
 from emovid.scene.robots import MIN_L, Limits, Robot
 from emovid.scene.safety import MAX_PERIOD, Barrier, NoSafety, Safety
@@ -189,7 +189,7 @@ def _density_faults(key: str, density: AnyDensity, stage: Stage) -> Iterator[tup
             yield from _scale_faults(f"{key}.sigma", density.sigma, stage, 50, "a fiftieth")
         case Boundary():
             if density.inset > stage.inradius:
-                yield f"{key}.inset", f"{density.inset:g}: expected at most {stage.inradius:g}, {_CIRCLE}"
+                yield f"{key}.inset", f"{density.inset:g}: expected at most {most(stage.inradius)}, {_CIRCLE}"
             yield from _scale_faults(f"{key}.width", density.width, stage, 50, "a fiftieth")
         case Image():
             yield from _picture_faults(key, density)
@@ -198,7 +198,7 @@ def _density_faults(key: str, density: AnyDensity, stage: Stage) -> Iterator[tup
 
 def _scale_faults(key: str, scale: float, stage: Stage, parts: int, share: str) -> Iterator[tuple[str, str]]:
     if scale < stage.inradius / parts:
-        yield key, f"{scale:g}: expected at least {stage.inradius / parts:g}, {share} of {_CIRCLE}"
+        yield key, f"{scale:g}: expected at least {least(stage.inradius / parts)}, {share} of {_CIRCLE}"
 
 
 def _picture_faults(key: str, density: Image) -> Iterator[tuple[str, str]]:
@@ -219,7 +219,7 @@ def _start_faults(scene: Scene) -> Iterator[tuple[str, str]]:
     if isinstance(start, OnContour) and isinstance(scene.behaviour, Coverage):
         yield "start.place", "contour: a coverage behaviour has none; expected stage, region or poses"
     if isinstance(start, AtRandom) and start.min_spacing is not None and start.min_spacing < 2 * radius:
-        yield "start.min_spacing", f"{start.min_spacing:g}: expected at least the robot's size, {2 * radius:.4f}"
+        yield "start.min_spacing", f"{start.min_spacing:g}: expected at least the robot's size, {least(2 * radius)}"
     if isinstance(start, InRegion):
         region, x, y = start.region, start.region.centre.x, start.region.centre.y
         if min(stage.room(*corner) for corner in region.corners) < radius - _ROUNDING:
@@ -240,11 +240,11 @@ def _start_faults(scene: Scene) -> Iterator[tuple[str, str]]:
 
 def _barrier_faults(scene: Scene, barrier: Barrier) -> Iterator[tuple[str, str]]:
     limits, body = scene.robot.limits or Limits(), scene.robot.body
-    least = 2 * body.guarded[1]
-    if barrier.spacing is not None and barrier.spacing < least:
-        yield "safety.spacing", f"{barrier.spacing:g}: expected at least a {body.name}'s size, {least:.4f}"
+    size = 2 * body.guarded[1]
+    if barrier.spacing is not None and barrier.spacing < size:
+        yield "safety.spacing", f"{barrier.spacing:g}: expected at least a {body.name}'s size, {least(size)}"
     if barrier.gamma * scene.step > 1 + _ROUNDING:
-        yield "safety.gamma", f"{barrier.gamma:g}: expected at most {1 / scene.step:g}, one over its period"
+        yield "safety.gamma", f"{barrier.gamma:g}: expected at most {most(1 / scene.step)}, one over its period"
     if abs(scene.steps_held * scene.step - scene.control_period) > _ROUNDING:
         yield "safety.period", f"{barrier.period:g}: expected a whole number of times in the control period"
     if isinstance(scene.behaviour, Coverage) and scene.behaviour.separation is not None:

@@ -106,7 +106,7 @@ def _read(path: Path) -> Grey:
         raise _UnusableError(f"cannot be read: {reason(error)}") from None
     except (Image.DecompressionBombError, Image.DecompressionBombWarning):
         raise _UnusableError("too large: more pixels than any density needs") from None
-    except (ValueError, SyntaxError):
+    except (ValueError, SyntaxError, UserWarning):
         raise _UnusableError("a broken PNG") from None
     white = Image.new("RGBA", colours.size, "white")
     grey = Image.alpha_composite(white, colours).convert("L")

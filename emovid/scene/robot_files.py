@@ -44,20 +44,27 @@ def read_robot(data: Any, folder: Path, places: Places) -> None:
         SceneError: as `load_robot`; for the limits of a robot that has none.
     """
     robot = data.get("robot") if isinstance(data, dict) else None
-    if not isinstance(robot, dict) or not isinstance(name := robot.get("model"), str):
+    if not isinstance(robot, dict):
         return
+    model = robot.get("model")
+    if isinstance(model, str):
+        robot["model"] = model = _named(model, folder, places)
+    if robot.get("limits") == "model" and isinstance(model, Body | dict):
+        said = dict(model)  # a robot in the scene itself is not validated yet
+        if said.get("limits") is None:
+            where, name = place_of(("robot", "limits"), places), said.get("name", "robot")
+            raise SceneError(where, "robot.limits", f"model: a {name} has none; expected null or limits")
+        robot["limits"] = said["limits"]
+
+
+def _named(model: str, folder: Path, places: Places) -> Body:
     try:
-        path = _find(name, folder)
+        path = _find(model, folder)
         text = read_text(path, "robot")
     except SceneError as error:
         where = place_of(("robot", "model"), places)
         raise SceneError(where, "robot.model", f"{error.where}: {error.message}".removeprefix(": ")) from None
-    robot["model"] = body = _robot(text, str(path), path.stem)
-    if robot.get("limits") == "model":
-        if body.limits is None:
-            where = place_of(("robot", "limits"), places)
-            raise SceneError(where, "robot.limits", f"model: a {body.name} has none; expected null or limits")
-        robot["limits"] = body.limits
+    return _robot(text, str(path), path.stem)
 
 
 def _find(name: str, folder: Path) -> Path:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from emovid.scene.fields import MAX_LENGTH, Keys, Length, inconsistent
+from emovid.scene.fields import MAX_LENGTH, Keys, Length, inconsistent, most
 
 MIN_L = 1e-6  # m; a robot with a shorter look-ahead only spins
 MAX_CORNERS = 256
@@ -46,7 +46,7 @@ class RectangularShape(Keys):
     @model_validator(mode="after")
     def _round(self) -> "RectangularShape":
         if 2 * self.corner > min(self.box):
-            raise inconsistent("corner", f"{self.corner:g}: expected at most half a side, {min(self.box) / 2:g}")
+            raise inconsistent("corner", f"{self.corner:g}: expected at most half a side, {most(min(self.box) / 2)}")
         return self
 
     @property

@@ -27,7 +27,7 @@ class Barrier(Keys):
     gamma: Annotated[float, Field(gt=0, le=1000)] = Field(
         5.0, description="how fast robots may use up what is left beyond the spacing [1/s], at most 1 / period"
     )
-    period: Annotated[float, Field(gt=0, le=60)] | None = Field(
+    period: Annotated[float, Field(ge=1e-6, le=60)] | None = Field(
         None,
         description="how often it is solved [s], a whole number of times in a control period; null: the longest such "
         "part of at most 0.04 s",

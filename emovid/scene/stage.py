@@ -7,9 +7,11 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from emovid.errors import nearest
 from emovid.scene.convex import Edge, Outline, edges_of, first_fault, inradius_of, outline_of
-from emovid.scene.fields import Keys, Length, Point, inconsistent
+from emovid.scene.fields import MAX_LENGTH, Keys, Point, inconsistent
 
 MAX_CORNERS = 64
+
+Side = Annotated[float, Field(ge=1e-6, le=MAX_LENGTH)]  # corners of a polygon are as far apart, too
 
 
 class StageKeys(Keys):
@@ -44,8 +46,8 @@ class StageKeys(Keys):
 class Rectangle(StageKeys):
     """A rectangle, its centre the origin of all coordinates."""
 
-    width: Length = Field(description="extent along x [m]")
-    height: Length = Field(description="extent along y [m]")
+    width: Side = Field(description="extent along x [m]")
+    height: Side = Field(description="extent along y [m]")
 
     @property
     def outline(self) -> Outline:

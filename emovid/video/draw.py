@@ -25,6 +25,7 @@ from emovid.video.view import VIEWS
 _FLATNESS = 0.1  # pixels by which a trail may stray from its arcs
 _SLICE = 1.0  # seconds of a trail drawn in one go
 _SHADES = 16  # steps in which a trail fades
+_INSTANT = 1e-9  # seconds: times of samples are that near to those they stand for
 
 
 class Painter:
@@ -115,9 +116,9 @@ class Painter:
         first_ends, last_ends = (self._poses(t)[self._trailed, None, :2] for t in (start, end))
         lines, before = [], []
         for (times, points), first_end, last_end in zip(self._trails, first_ends, last_ends, strict=True):
-            first, last = times.searchsorted([start, end], side="right")
+            first, last = times.searchsorted([start + _INSTANT, end - _INSTANT])
             lines.append(np.concatenate([first_end, points[first:last], last_end]))
-            earlier = times.searchsorted(start) - 1
+            earlier = times.searchsorted(start - _INSTANT) - 1
             before.append(points[earlier] if start > oldest and earlier >= 0 else None)
         self._view.draw_lines(self._canvas, lines, self._trail_colours[shade], self.video.trails.width, before)
 

@@ -223,6 +223,7 @@ def folder(tmp_path_factory) -> Path:
         ("emovid simulate r", []),
         ("emovid measure run", ["run.npz"]),
         ("emovid preview nowhere/", []),
+        ("emovid preview ~nobody-of-this-name/", []),
         ("emovid render --theme ", ["light", "dark"]),
         ("emovid render fear --overlay c", ["cells", "clock"]),
         ("emovid figures dens", ["densities"]),

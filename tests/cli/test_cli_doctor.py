@@ -1,4 +1,6 @@
+import errno
 import json
+import tempfile
 import webbrowser
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
@@ -102,6 +104,17 @@ def test_a_folder_that_is_full_or_gone_fails(tmp_path, monkeypatch) -> None:
     full = checkup._writing(tmp_path)
     assert (full.passed, full.needed) == (False, True)
     assert full.remedy.startswith("make room")
+
+
+def test_a_machine_without_a_temporary_folder_is_told_so(capsys, monkeypatch) -> None:
+    def none() -> str:
+        raise FileNotFoundError(errno.ENOENT, "No usable temporary directory found in ['/tmp']")
+
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    monkeypatch.setattr(tempfile, "_get_default_tempdir", none)
+    assert main(["doctor", "--json"]) == 1
+    check = found(capsys)["folder for temporary files"]
+    assert (check["passed"], check["found"]) == (False, "no usable temporary directory found in ['/tmp']")
 
 
 def test_every_check_that_fails_has_a_remedy_and_no_other(monkeypatch) -> None:

@@ -100,13 +100,12 @@ def test_another_study_gives_its_figures_and_what_it_lacks_is_left_out_of_all(ca
     main(["study", "simulate", "-o", "m.csv", "--participants", "12"])
     main(["study", "analyze", "m.csv", "-o", "results", "--quiet"])
     capsys.readouterr()
-    for source in ("results", "results/results.json", "results/confusion_matrix.csv"):
+    Path("marked.json").write_bytes(b"\xef\xbb\xbf" + Path("results/results.json").read_bytes())  # as some editors do
+    sources = ("results", "results/results.json", "results/confusion_matrix.csv", "marked.json")
+    for source in sources:
         arguments = ["confusion-matrix", "--study", source, "--format", "svg", "--quiet"]
-        assert main(["figures", *arguments, "-o", source.replace("/", "-")]) == 0
-    (made,) = {
-        (Path(folder) / "confusion-matrix.svg").read_bytes()
-        for folder in ("results", "results-results.json", "results-confusion_matrix.csv")
-    }
+        assert main(["figures", *arguments, "-o", f"of-{source.replace('/', '-')}"]) == 0
+    (made,) = {Path(f"of-{source.replace('/', '-')}/confusion-matrix.svg").read_bytes() for source in sources}
     assert main(["figures", "confusion-matrix", "--format", "svg", "--quiet"]) == 0
     assert Path("figures/confusion-matrix.svg").read_bytes() != made
     assert main(["figures", "accuracy-gender", "--study", "results", "-o", "none"]) == 2
@@ -152,6 +151,8 @@ def test_what_a_study_lacks_is_left_out_of_all(capsys, monkeypatch) -> None:
             ["frames", "fear", "anger"],
             "frames: expected one scene: a file (.yaml), a finished run (.npz), or an emotion",
         ),
+        (["frames", "contact-sheet", "fear"], "frames and contact-sheet: expected one of them at a time"),
+        (["all", "frames", "fear"], "all and frames: expected one of them at a time"),
         (["frames", "feer"], "feer: no such file or emotion (did you mean fear?)"),
         (["frames", "fear", "--times", "0,16"], "--times 0,16: 16 s is outside the run of 0 to 15 s"),
         (["frames", "fear", "--times", "-1"], "--times -1: -1 s is outside the run of 0 to 15 s"),

@@ -1,5 +1,6 @@
 import csv
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -52,11 +53,20 @@ def test_descriptors_as_json_and_csv(capsys) -> None:
 
 
 def test_a_finished_run_measures_like_its_scene(capsys) -> None:
-    assert main(["simulate", "--emotion", "disgust", "--seed", "5", "-o", "disgust.npz", "--quiet"]) == 0
-    assert main(["measure", "disgust.npz", "--json"]) == 0
-    run = json.loads(capsys.readouterr().out)["scenes"]["disgust.npz"]
     assert main(["measure", "disgust", "--seed", "5", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["scenes"]["disgust"] == run
+    scene = json.loads(capsys.readouterr().out)["scenes"]["disgust"]
+    for file in ("disgust.npz", "UPPER.NPZ"):
+        assert main(["simulate", "--emotion", "disgust", "--seed", "5", "-o", file, "--quiet"]) == 0
+        assert main(["measure", file, "--json"]) == 0
+        assert json.loads(capsys.readouterr().out)["scenes"][file] == scene
+
+
+def test_a_name_that_is_no_unicode_is_spelled_as_in_json() -> None:
+    name = os.fsdecode(b"caf\xe9.yaml")
+    main(["scene", "new", name, "--from", "sadness", "-q"])
+    assert main(["measure", name, "-o", "measure.csv", "-q"]) == 0
+    rows = csv.DictReader(Path("measure.csv").read_text().splitlines())
+    assert {row["scene"] for row in rows} == {r"caf\udce9.yaml"}
 
 
 def test_the_seed_is_replaced_in_every_scene(capsys) -> None:

@@ -88,6 +88,23 @@ def test_scene_new_copies_and_never_overwrites(capsys) -> None:
     assert Path("deep/my.yaml").read_text() == shipped_scene("happiness").read_text()
 
 
+def test_scene_new_says_that_a_folder_is_none(tmp_path, capsys) -> None:
+    (tmp_path / "folder").mkdir()
+    for options in ([], ["--force"]):
+        assert main(["scene", "new", "folder", *options]) == 2
+        assert capsys.readouterr().err == "folder: is a folder; expected a file\n"
+
+
+def test_a_scene_from_a_pipe_is_shown_and_copied() -> None:
+    text = shipped_scene("fear").read_bytes()
+    for command, shown in (
+        (["scene", "show", "/dev/stdin"], text),
+        (["scene", "new", "x.yaml", "--from", "/dev/stdin"], b""),
+    ):
+        assert subprocess.run([*EMOVID, *command], input=text, stdout=subprocess.PIPE, check=True).stdout == shown
+    assert Path("x.yaml").read_bytes() == text
+
+
 def test_scene_check_reports_the_run(capsys) -> None:
     assert main(["scene", "check", "anger", "--json", "--set", "duration=3"]) == 0
     found = json.loads(capsys.readouterr().out)

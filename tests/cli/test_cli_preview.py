@@ -46,6 +46,12 @@ def test_a_preview_is_where_the_message_says_and_nowhere_else(capsys, arguments,
     assert names() == [expected]
 
 
+def test_a_file_of_another_format_than_asked_for_is_refused(tmp_path, capsys) -> None:
+    assert main(["preview", "fear", *SHORT, "-o", "x.gif", "--format", "png"]) == 2
+    assert capsys.readouterr().err == "-o x.gif: cannot write .gif; expected .png, or a folder\n"
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_loop_is_small_and_plays_again_and_again() -> None:
     assert main(["preview", "fear", *SHORT, "-o", "x.gif", "-q"]) == 0
     with Image.open("x.gif") as loop:

@@ -198,8 +198,8 @@ def test_all_six_are_the_same_bytes_with_one_job_and_with_two(capsys) -> None:
 
 def test_the_order_of_presentation_is_random_and_seeded() -> None:
     orders = []
-    for i, seed in enumerate(["1", "1", "2", "3"]):
-        render("--all", "-o", f"set{i}", "--seed", seed, "--jobs", "1")
+    for i, (seed, keys) in enumerate([("1", []), ("1", ["--set", "emotion=null"]), ("2", []), ("3", [])]):
+        render("--all", "-o", f"set{i}", "--seed", seed, "--jobs", "1", *keys)
         with Path(f"set{i}/presentation_order.csv").open(newline="") as file:
             rows = list(csv.DictReader(file))
         assert list(rows[0]) == ["position", "emotion", "video"]

@@ -139,8 +139,10 @@ def test_a_study_is_planned(capsys) -> None:
     assert main(["study", "power", "--rate", "0.5", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["n_binomial"] == 24  # 0.5 against 1/6 at 0.05 / 6 with 80 % power
-    assert main(["study", "power"]) == 0
-    assert "participants" in capsys.readouterr().out
+    assert main(["study", "power", "--rate", "0.5"]) == 0
+    assert "exact binomial against chance:  24 participants\n" in capsys.readouterr().out
+    assert main(["study", "power", "--rate", "0.167"]) == 0
+    assert {line[32:] for line in capsys.readouterr().out.splitlines()} == {"more than can be planned"}
 
 
 def test_an_export_s_columns_are_shown(capsys) -> None:
@@ -163,7 +165,28 @@ def test_an_export_s_columns_are_shown(capsys) -> None:
             ["simulate", "--bias", "feer=2"],
             f"--bias feer=2: expected one of {', '.join(EMOTIONS)} (did you mean fear?)",
         ),
-        (["simulate", "--bias", "fear=x"], "--bias fear=x: expected LABEL=WEIGHT, a weight of 0 or more"),
+        *(
+            (
+                ["simulate", "--bias", f"fear={weight}"],
+                f"--bias fear={weight}: expected LABEL=WEIGHT, a weight from 0 to 1000000",
+            )
+            for weight in ("x", "", "-1", "nan", "1e7")
+        ),
+        (["simulate", "--matrix", "m.csv", "--bias", "fear=2"], "--matrix: expected no --bias beside it"),
+        (["simulate", "--matrix", "m.csv", "--accuracy", "0"], "--matrix: expected no --accuracy beside it"),
+        (["analyze", "--counts", "y.csv", "--by", "gender"], "--counts: expected no --by beside it"),
+        (["analyze", "--counts", "y.csv", "--key", "k.csv"], "--counts: expected no --key beside it"),
+        (["analyze", "--counts", "y.csv", "--map", "m.yaml"], "--counts: expected no --map beside it"),
+        (["analyze", "--counts", "y.csv", "--labels", "a,b"], "--counts: expected no --labels beside it"),
+        (
+            ["analyze", str(REFERENCE / "responses.csv"), "--labels", ""],
+            None,
+        ),
+        (
+            ["analyze", "--counts", str(REFERENCE / "counts.csv"), "-o", str(REFERENCE / "counts.csv")],
+            f"-o {REFERENCE / 'counts.csv'}: is a file; expected a folder",
+        ),
+        (["simulate", "-o", "."], "-o .: is a folder; expected a file"),
         (["analyze", str(REFERENCE / "responses.csv"), "--by", "gendr"], None),
         (["analyze", "nowhere.csv"], None),
         (["columns", "nowhere.csv"], None),

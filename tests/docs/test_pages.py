@@ -4,7 +4,6 @@ import json
 import os
 import re
 import shlex
-import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -106,16 +105,16 @@ def finished(command: list[str], folder: Path) -> "subprocess.CompletedProcess[s
 
 
 def started_and_stopped(command: list[str], folder: Path) -> "subprocess.CompletedProcess[str]":
-    """Wait for the first line of a command that ends with Ctrl-C only, and end it."""
+    """Wait for the first line of a command that only a signal ends, and end it: not by SIGINT, which may be ignored."""
     with subprocess.Popen(
         command, cwd=folder, env=ENV, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
     ) as it:
         assert it.stdout
         said = it.stdout.readline()
-        it.send_signal(signal.SIGINT)
+        it.terminate()
         said += it.stdout.read()
         code = it.wait()
-    return subprocess.CompletedProcess(command, 0 if code in (0, 130) else code, said, "")
+    return subprocess.CompletedProcess(command, 0 if code in (0, 143) else code, said, "")
 
 
 def write(keys: Keys, folder: Path) -> None:

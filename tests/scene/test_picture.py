@@ -86,6 +86,11 @@ def with_header(path: Path, header: bytes) -> None:
     path.write_bytes(png[:8] + len(header).to_bytes(4) + chunk + zlib.crc32(chunk).to_bytes(4) + png[33:])
 
 
+def animated_without_frames(path: Path) -> None:
+    png, chunk = path.read_bytes(), b"acTL" + bytes(8)
+    path.write_bytes(png[:33] + (8).to_bytes(4) + chunk + zlib.crc32(chunk).to_bytes(4) + png[33:])
+
+
 SPOILT = {
     "too large: more than 32 MB": lambda path: os.truncate(path, MAX_BYTES + 1),
     "too large: more pixels than any density needs": lambda path: with_header(
@@ -98,6 +103,12 @@ SPOILT = {
     "white all over; expected something darker": lambda path: save(path.parents[1], np.full((9, 9), 255)),
     "expected a PNG of 8 bits a channel": lambda path: save(path.parents[1], np.full((9, 9), 700), "I;16"),
 }
+
+
+def test_an_animation_without_frames_is_a_broken_picture(scene_file, tmp_path) -> None:
+    animated_without_frames(tmp_path / "maps" / "map.png")
+    with pytest.raises(SceneError, match=r"behaviour.density.file: maps/map.png: a broken PNG$"):
+        load_scene(scene_file)
 
 
 @pytest.mark.parametrize("message", SPOILT)

@@ -124,6 +124,22 @@ def test_limits_of_the_model_are_those_of_its_file() -> None:
     assert scene_of("gritsbot").robot.limits is None
 
 
+@pytest.mark.parametrize("limits", [{"v_max": 0.1}, {"v_max": 0.2, "omega_max": 3.0}])
+def test_limits_of_the_model_are_those_of_a_robot_written_in_the_scene(limits) -> None:
+    body = {"kinematics": "unicycle", "shape": {"kind": "circle", "radius": 0.01}, "height": 0.02}
+    assert scene_of(body | {"limits": limits}, limits="model").robot.limits == Limits(**limits)
+    with pytest.raises(SceneError, match=r"test: robot.limits: model: a robot has none; expected null or limits"):
+        scene_of(body, limits="model")
+    with pytest.raises(SceneError, match=r"test: robot.limits: model: a beetle has none"):
+        scene_of(body | {"name": "beetle"}, limits="model")
+
+
+@pytest.mark.parametrize("model", [3, None, ["gritsbot"]])
+def test_limits_of_no_model_are_said_to_need_one(model) -> None:
+    with pytest.raises(SceneError, match=r"test: robot.model: .*: expected a robot's name"):
+        scene_of(model, limits="model")
+
+
 def test_a_robot_can_be_written_in_the_scene() -> None:
     scene = scene_of({"kinematics": "single_integrator", "shape": {"kind": "circle", "radius": 0.01}, "height": 0.02})
     assert (scene.robot.body.name, scene.robot.body.radius, scene.robot.body.steers) == ("robot", 0.01, False)

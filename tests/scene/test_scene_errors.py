@@ -1,3 +1,5 @@
+import re
+from math import copysign
 from pathlib import Path
 
 import pytest
@@ -27,6 +29,12 @@ KINDS = [
     "robot_inline_incomplete", "limits_of_the_model_missing", "limits_misspelt",
 ]  # fmt: skip
 
+BOX = {
+    "kinematics": "unicycle",
+    "shape": {"kind": "rectangle", "length": 0.03, "width": 2 / 75},
+    "height": 0.03,
+}
+
 
 @pytest.fixture(autouse=True)
 def _in_root(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -55,6 +63,74 @@ def test_every_kind_of_fault_has_a_broken_scene():
     assert {path.suffix for path in BROKEN} == {".yaml"}
     assert set(KINDS) <= {path.stem for path in BROKEN}
     assert len(BROKEN) >= 80
+
+
+@pytest.mark.parametrize(
+    ("key", "corners", "expected"),
+    [
+        (
+            "stage.corners",
+            [{"x": 0, "y": 0}, {"x": 1}, {"x": 0, "y": 1}],
+            "stage.corners.1.y: missing (metres above the origin, which is a rectangular stage's centre)",
+        ),
+        (
+            "robot.model.shape.corners",
+            [[0.01, 0.01], [0.01], [0, 0]],
+            "robot.model.shape.corners.1.1: missing (a value)",
+        ),
+        ("stage.corners", [{"x": 0, "y": 0}, {"x": 1, "y": 1}], "stage.corners: a list of 2: expected at least 3"),
+    ],
+)
+def test_a_broken_item_is_named_and_not_called_too_few(key, corners, expected):
+    shape = {"robot.model": BOX | {"shape": {"kind": "polygon"}}} if "shape" in key else {"stage": {}}
+    with pytest.raises(SceneError) as caught:
+        load_scene("anger", shape | {key: corners})
+    assert str(caught.value) == expected
+
+
+@pytest.mark.parametrize(
+    ("source", "keys", "expected"),
+    [
+        ("anger", {"video.format": "gif", "video.fps": 60}, "video.fps: 60: expected at most 50 in a gif"),
+        ("anger", {"video.trails.fade": True}, "video.trails.fade: true: a trail that stays for ever cannot fade"),
+        ("anger", {"robot.l": 1e-7}, "robot.l: 1e-07: expected at least a micrometre, 1e-06"),
+        ("robotarium/anger", {"safety.period": 0.02}, "safety.period: 0.02: expected a whole number of times in the"),
+    ],
+)
+def test_keys_that_go_with_others_only_are_refused(source, keys, expected):
+    with pytest.raises(SceneError) as caught:
+        load_scene(source, keys)
+    assert str(caught.value).startswith(expected)
+
+
+@pytest.mark.parametrize(
+    ("source", "key", "given", "others"),
+    [
+        ("robotarium/anger", "safety.spacing", 0.01, {}),
+        ("robotarium/anger", "safety.gamma", 50.0, {"safety.period": 0.06, "control_period": 0.06}),
+        ("anger", "start.min_spacing", 0.01, {"robot.model": "gritsbot_x", "robots": 1}),
+        ("anger", "behaviour.density.sigma", 1e-4, {"stage": {"width": 1.0, "height": 2 / 3}}),
+        ("disgust", "behaviour.density.inset", 1.0, {"stage": {"width": 1.0, "height": 2 / 3}}),
+        ("fear", "robot.model.shape.corner", 0.03, {"robot.model": BOX}),
+    ],
+)
+def test_the_bound_that_a_message_names_is_allowed(source, key, given, others):
+    keys = others | {"snapshots": None}
+    with pytest.raises(SceneError) as caught:
+        load_scene(source, keys | {key: given})
+    assert caught.value.key == key
+    bound = float(re.findall(r"[0-9][0-9.]*", caught.value.message)[-1])
+    load_scene(source, keys | {key: bound})
+    with pytest.raises(SceneError, match=key):  # and nothing much beyond it
+        load_scene(source, keys | {key: bound * (1 + copysign(1e-3, given - bound))})
+
+
+@pytest.mark.parametrize(
+    ("key", "source"), [("stage.width", "anger"), ("stage.height", "anger"), ("safety.period", "robotarium/anger")]
+)
+def test_a_number_too_small_to_divide_by_is_one_line(key, source):
+    with pytest.raises(SceneError, match=rf"^--set {key}=5e-324: {key}: 5e-324: expected at least 1e-06$"):
+        overridden(f"{key}=5e-324", source=source)
 
 
 @pytest.mark.parametrize("path", BROKEN, ids=lambda path: path.stem)

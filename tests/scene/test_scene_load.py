@@ -340,6 +340,18 @@ def test_fault_names_the_line_of_a_list_item():
     assert scene.fault("start.poses.2.y", "").where == "f.yaml:22"
 
 
+def test_values_that_keys_are_replaced_by_stay_as_they_are() -> None:
+    robot = {"model": "gritsbot", "l": 0.02, "K": 3.0, "limits": "model"}
+    density = {"kind": "gaussian", "sigma": 0.12}
+    keys = {"robot": robot, "behaviour.density": density, "behaviour.density.sigma": 0.2}
+    assert load_scene("anger", keys).behaviour.density.sigma == 0.2
+    assert density == {"kind": "gaussian", "sigma": 0.12}
+    # The second robot has its own limits, whatever scene was made of the same values before.
+    keys |= {"start.min_spacing": None, "robots": 3}
+    limits = [load_scene("anger", keys | {"robot.model": model}).robot.limits for model in ("gritsbot", "e_puck2")]
+    assert [limit.wheel_max for limit in limits] == [None, 0.154]
+
+
 def test_keys_are_replaced_by_a_mapping_too_and_a_wrong_one_is_named() -> None:
     assert load_scene("anger", {"robot.l": 0.002, "video": {"fps": 5}}).video.fps == 5
     with pytest.raises(SceneError, match=r"^robot\.k: unknown key \(did you mean robot\.K\?\)$"):

@@ -1,0 +1,231 @@
+"""`emovid study analyze`, `columns` and `compare`: from a survey's exports to tables, tests, figures and a report."""
+
+import json
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from emovid.cli.options import Json, Quiet, RandomSeed, refuse_beside
+from emovid.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from emovid.study.responses import Responses
+
+_SHOWN = 200  # rejected rows on the terminal; rejected.csv has all
+
+Key = Annotated[
+    Path | None, typer.Option("--key", help="CSV with video_code,true_emotion, for blinded codes.", show_default=False)
+]
+Map = Annotated[Path | None, typer.Option("--map", help="YAML that says what cannot be detected.", show_default=False)]
+Labels = Annotated[
+    str | None,
+    typer.Option("--labels", help="The answers, with commas between; default: the six emotions.", show_default=False),
+]
+
+
+def analyze(
+    sources: Annotated[
+        list[Path] | None,
+        typer.Argument(metavar="[EXPORT]...", help="Exports, or folders of them.", show_default=False),
+    ] = None,
+    key: Key = None,
+    mapping: Map = None,
+    by: Annotated[
+        list[str] | None,
+        typer.Option("--by", help="A group to analyse by; default: all of at most 12 levels.", show_default=False),
+    ] = None,
+    labels: Labels = None,
+    counts: Annotated[
+        Path | None,
+        typer.Option("--counts", help="A published confusion matrix, instead of exports.", show_default=False),
+    ] = None,
+    output: Annotated[Path, typer.Option("--output", "-o", help="The folder for results, made if missing.")] = Path(
+        "results"
+    ),
+    seed: RandomSeed = 0,
+    quiet: Quiet = False,
+    as_json: Json = False,
+) -> None:
+    """Analyse a survey's export: confusion matrix, tests, figures, report.
+
+    Examples: emovid study analyze responses.csv · emovid study analyze exports/ --key key.csv --by gender -o results/
+    """
+    from emovid.figures.study import study_figures
+    from emovid.figures.style import encoded
+    from emovid.study.outputs import result_files
+    from emovid.study.report import report_html
+    from emovid.whole_files import make_folder, writing
+
+    if bool(sources) == bool(counts):
+        raise InputError("expected exports to analyse, or --counts and a confusion matrix")
+    if counts:
+        refuse_beside("--counts", {"--key": key, "--map": mapping, "--by": by, "--labels": labels})
+    if output.exists() and not output.is_dir():
+        raise InputError(f"-o {output}: is a file; expected a folder")
+    if counts:
+        results, responses = _of_counts(counts, seed), None
+    else:
+        results, responses = _of_exports(sources or [], key, mapping, by or [], labels, seed)
+    figures = study_figures(results)
+    pictures = {caption: ("svg+xml", encoded(figure, "svg")) for caption, figure in figures.values()}
+    files = result_files(results, responses) | {"report.html": report_html(results, responses, pictures)}
+    make_folder(output)
+    for name, text in files.items():
+        with writing(output / name) as file:
+            file.write(text.encode())
+    _save_figures(figures, output)
+    if as_json:
+        typer.echo(files["results.json"], nl=False)
+    elif not quiet:
+        _show(results, responses, output)
+
+
+def _of_counts(counts: Path, seed: int) -> dict[str, Any]:
+    from emovid.study.analyze import analyze_counts
+    from emovid.study.matrix import read_matrix
+    from emovid.whole_files import file_digest
+
+    matrix, labels, signalled = read_matrix(counts)
+    inputs = [{"file": str(counts), "dialect": "confusion matrix", "sha256": file_digest(counts)}]
+    return analyze_counts(matrix, labels, signalled, seed) | {"provenance": _provenance(inputs, None, seed)}
+
+
+def _of_exports(
+    sources: list[Path], key: Path | None, mapping: Path | None, by: list[str], labels: str | None, seed: int
+) -> "tuple[dict[str, Any], Responses]":
+    from dataclasses import asdict
+
+    from emovid.study.analyze import analyze as run
+    from emovid.study.read import read_responses
+
+    chosen = [label.strip() for label in labels.split(",")] if labels is not None else None
+    responses = read_responses(sources, key=key, mapping=mapping, labels=chosen, groups=by)
+    inputs = [asdict(source) for source in responses.sources]
+    return run(responses, by, seed) | {"provenance": _provenance(inputs, key, seed)}, responses
+
+
+def _provenance(inputs: list[dict[str, Any]], key: Path | None, seed: int) -> dict[str, Any]:
+    from importlib.metadata import version
+
+    from emovid.whole_files import file_digest
+
+    key_sha256 = file_digest(key) if key else None
+    return {"inputs": inputs, "key_sha256": key_sha256, "version": version("emovid"), "seed": seed}
+
+
+def _save_figures(figures: "Mapping[str, tuple[str, Figure]]", output: Path) -> None:
+    from emovid.figures.style import save
+
+    for name, (_, figure) in figures.items():
+        for suffix in ("pdf", "png"):
+            save(figure, output / f"{name}.{suffix}")
+
+
+def _show(results: Mapping[str, Any], responses: "Responses | None", output: Path) -> None:
+    """Print what was read, the matrix, the tests and the warnings."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(highlight=False, markup=False)
+    say = partial(console.print, soft_wrap=True)  # a line stays one line, however long its path
+    if responses is not None:
+        for source in responses.sources:
+            say(f"{source.file}: {source.dialect}, {source.participants} participants")
+        for item in responses.rejected[:_SHOWN]:
+            where = f"{item.file}:{item.row}" if item.row else item.file
+            value = repr(item.value) if item.value else ""
+            say(": ".join(part for part in (where, item.cell, value, item.reason) if part))
+        if len(responses.rejected) > _SHOWN:
+            say(f"... and {len(responses.rejected) - _SHOWN} more in rejected.csv")
+    matrix = Table("response (%)", *results["emotions"], box=box.SIMPLE, title="signaled emotion")
+    for label, row in zip(results["labels"], results["percent"], strict=True):
+        matrix.add_row(label, *("" if share is None else f"{share:.2f}" for share in row))
+    tests = Table(
+        "emotion", "n", "chi2", "p", "exact p", "w", "hits", "CI %", "Holm p", "majority", box=box.SIMPLE, padding=0
+    )
+    for name, fit in results["goodness_of_fit"].items():
+        tests.add_row(name, *_test_cells(fit, results["recognition"][name]))
+    console.print(matrix, tests)
+    if results["warnings"]:
+        warnings = Table("warnings", box=box.SIMPLE)
+        for warning in results["warnings"]:
+            warnings.add_row(warning)
+        console.print(warnings)
+    say(f"results in {output}: report.html, results.json, tables and figures")
+
+
+def _test_cells(fit: Mapping[str, Any], found: Mapping[str, Any]) -> list[str]:
+    """Return the numbers of one video's tests, as short as a terminal is wide."""
+
+    def p(value: float) -> str:
+        return "<.001" if value < 0.001 else f"{value:.3f}".removeprefix("0")
+
+    return [
+        str(fit["n"]),
+        f"{fit['statistic']:.2f}",
+        p(fit["p"]),
+        p(fit["p_exact"]),
+        "" if fit["cohens_w"] is None else f"{fit['cohens_w']:.2f}",
+        str(found["hits"]),
+        f"{100 * found['ci_low']:.0f}-{100 * found['ci_high']:.0f}",
+        p(found["p_holm"]),
+        found["verdict"].removesuffix(" majority"),
+    ]
+
+
+def columns(
+    source: Annotated[Path, typer.Argument(metavar="EXPORT", help="A survey's export, or a folder of them.")],
+    key: Key = None,
+    mapping: Map = None,
+) -> None:
+    """Show what is detected in an export, and then, on its own, a map.yaml to edit.
+
+    Example: emovid study columns export.csv > map.yaml
+    """
+    from emovid.study.describe import describe_columns
+
+    found = describe_columns(source, key, mapping)
+    typer.echo(f"# {found.file}: {found.dialect}" + (f"; {found.problem}" if found.problem else ""))
+    for column in found.columns:
+        name = " ".join(f"{column.name} ({column.text})".removesuffix(" ()").split())  # a question may have lines
+        typer.echo(f"# {column.role or 'not used':<12} {name}: {', '.join(map(repr, column.examples))}")
+    typer.echo(found.map_yaml, nl=False)
+
+
+def compare(
+    original: Annotated[Path, typer.Argument(help="The results of an analysis, or a confusion matrix as CSV.")],
+    replication: Annotated[Path, typer.Argument(help="Others, with the same labels.")],
+    seed: RandomSeed = 0,
+    as_json: Json = False,
+) -> None:
+    """Set a replication beside the original: differences with intervals, and a test of the whole.
+
+    Example: emovid study compare original/results.json results/results.json
+    """
+    from emovid.study import apa
+    from emovid.study.compare import compare as run
+    from emovid.study.matrix import read_results
+
+    first, labels, signalled = read_results(original)
+    second, other_labels, other_signalled = read_results(replication)
+    if (labels, signalled) != (other_labels, other_signalled):
+        raise InputError(f"{replication}: other labels than {original}: expected {', '.join(labels)}")
+    found = run(first, second, seed)
+    if as_json:
+        from dataclasses import asdict
+
+        named = dict(zip(signalled, map(asdict, found.videos), strict=True))
+        typer.echo(json.dumps(asdict(found) | {"videos": named, "apa": apa.compared(found)}, indent=2))
+        return
+    for name, video in zip(signalled, found.videos, strict=True):
+        low, high, points = (100 * value for value in (video.ci_low, video.ci_high, video.difference))
+        rates = f"{video.hits[0]}/{video.n[0]} and {video.hits[1]}/{video.n[1]}"
+        holm = apa.p_value(video.p_holm, "Holm p")
+        typer.echo(f"{name:<11}{rates:<19}{points:+6.1f} points [{low:+.1f}, {high:+.1f}], {holm}")
+    typer.echo(f"whole matrix: {apa.compared(found)}")
