@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from emovid.batch import local
 from emovid.batch.local import InProcess, Processes, _Slot
 from emovid.batch.run import run
 from emovid.errors import EmovidError, SceneError
@@ -208,3 +209,21 @@ def test_a_pool_that_is_closed_undoes_what_is_under_way(tmp_path) -> None:
             assert time.monotonic() < deadline
             time.sleep(0.01)
     assert list(tmp_path.iterdir()) == []
+
+
+def _hang(item: Path, on_step) -> None:
+    local._GRACE = 0.1  # in this worker
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    item.touch()
+    time.sleep(30)
+    item.write_text("undisturbed")
+
+
+def test_a_worker_that_does_not_end_when_told_to_is_ended(tmp_path) -> None:
+    with closing(Processes(1, lambda *_: None)) as pool:
+        pool.submit(_hang, tmp_path / "a")
+        deadline = time.monotonic() + 60
+        while not (tmp_path / "a").exists():
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+    assert (tmp_path / "a").read_text() == ""
