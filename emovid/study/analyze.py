@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from emovid.study import apa
 from emovid.study.circumplex import near_neighbours
 from emovid.study.dependence import agreement, label_use, videos_differ
+from emovid.study.dialects.people import MOST_LEVELS
 from emovid.study.goodness import adjusted_residuals, goodness_by_video
-from emovid.study.groups import MIN_GROUP, rates_differ, scores_differ
+from emovid.study.groups import MIN_GROUP, levels_of, rates_differ, scores_differ
 from emovid.study.matrix import percent
 from emovid.study.recognition import AROUSAL, VALENCE, Collapsed, collapse, recognise, unbiased_hit_intervals
 from emovid.study.responses import Responses
@@ -35,11 +36,13 @@ def analyze(responses: Responses, by: Sequence[str] = (), seed: int = 0) -> Bloc
 
     Args:
         responses: the answers.
-        by: group columns to analyse by; all that the participants have if left out.
+        by: group columns to analyse by; if left out, all that the participants have of at most `MOST_LEVELS` levels,
+            which an age in years is not.
         seed: of every bootstrap, permutation and Monte Carlo test.
     """
     choices, k = responses.choices(), len(responses.labels)
-    columns = list(by) or list(responses.participants.columns)
+    levels = {name: len(levels_of(list(column))) for name, column in responses.participants.items()}
+    columns = list(by) or [name for name in responses.participants.columns if levels[name] <= MOST_LEVELS]
     results = {
         **_matrix_results(responses.counts(), responses.labels, responses.signalled, seed),
         "n_participants": len(responses.participants),
@@ -55,6 +58,11 @@ def analyze(responses: Responses, by: Sequence[str] = (), seed: int = 0) -> Bloc
     for name, (low, high) in zip(responses.signalled, intervals.tolist(), strict=True):
         results["recognition"][name] |= {"hu_low": _number(low), "hu_high": _number(high)}
     results["warnings"] = [*_warnings(results), *_reading_warnings(responses, choices)]
+    results["warnings"] += [
+        f"{name}: {levels[name]} levels, too many for a group; --by {name} compares them all the same"
+        for name in responses.participants.columns
+        if not by and name not in columns
+    ]
     return results
 
 
@@ -79,7 +87,7 @@ def _matrix_results(counts: Counts, labels: Sequence[str], signalled: Sequence[s
         **_block(counts, signalled, seed),
         "adjusted_residuals": _plain(adjusted_residuals(counts)),
         "collapsed": {name: _collapsed(found) for name, found in by_pole.items() if found.videos},
-        "near_neighbours": _said(near_neighbours(counts, labels, seed), apa.near_neighbours),
+        "near_neighbours": _said(near_neighbours(counts, labels), apa.near_neighbours),
     }
 
 
@@ -153,11 +161,7 @@ def _order(responses: Responses, choices: Counts, seed: int) -> Block | None:
     """Return the effect of the position in which a video was shown, None where positions are not known."""
     if responses.answers["position"].isna().all():
         return None
-    shown = np.full_like(choices, -1)
-    rows = responses.participants.index.get_indexer(responses.answers["participant"])
-    columns = pd.Index(responses.signalled).get_indexer(responses.answers["signalled"])
-    shown[rows, columns] = responses.answers["position"].fillna(-1).astype(np.int64)
-    return _said(order_effect(choices, shown, seed), apa.order_effect)
+    return _said(order_effect(choices, responses.positions(), seed), apa.order_effect)
 
 
 def _warnings(results: Block) -> list[str]:
@@ -179,18 +183,32 @@ def _warnings(results: Block) -> list[str]:
 def _fit_warnings(results: Block) -> Iterable[str]:
     for j, (name, fit) in enumerate(results["goodness_of_fit"].items()):
         found = results["recognition"][name]
-        if fit["expected"] < SMALL_EXPECTED:
+        if not fit["n"]:
+            yield f"{name}: no answers to a video of it"
+        elif fit["expected"] < SMALL_EXPECTED:
             yield f"{name}: {fit['expected']:.1f} answers a cell are expected, under {SMALL_EXPECTED}: use the exact p"
         if fit["p_exact"] <= ALPHA and not found["above_chance"]:
             column = [row[j] for row in results["counts"]]
-            most = results["labels"][int(np.argmax(column))]
-            yield f"{name}: the answers are not uniform, but not because it was recognised: most said {most}"
+            most = [label for label, n in zip(results["labels"], column, strict=True) if n == max(column)]
+            why = (
+                "yet it is not above chance"
+                if name in most
+                else f"but not because it was recognised: most said {' and '.join(most)}"
+            )
+            yield f"{name}: the answers are not uniform, {why}"
 
 
 def _reading_warnings(responses: Responses, choices: Counts) -> Iterable[str]:
-    missing = int((choices < 0).sum())
+    shown = choices[:, (choices >= 0).any(axis=0)]
+    missing = int((shown < 0).sum())
     if missing:
-        yield f"{missing} of {choices.size} answers are missing"
+        yield f"{missing} of {shown.size} answers are missing"
+    more = len(responses.answers) - int((choices >= 0).sum())
+    if more:
+        yield (
+            f"{more} answers are a participant's second or later to one emotion: tests of single emotions take them as "
+            "independent, those that take a participant's answers together leave them out"
+        )
     if responses.rejected:
         yield f"{len(responses.rejected)} rows or cells were not used: see rejected.csv"
     if responses.dropped:

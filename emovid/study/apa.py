@@ -18,6 +18,11 @@ _MINUS = "\N{MINUS SIGN}"
 _CHI2 = "\N{GREEK SMALL LETTER CHI}\N{SUPERSCRIPT TWO}"
 _KAPPA = "\N{GREEK SMALL LETTER KAPPA}"
 _UNKNOWN = "n/a"
+_RATE_TESTS = {
+    "exact": "Fisher\u2019s exact",
+    "Monte Carlo": "Fisher, Freeman and Halton\u2019s",
+    "chi-squared": f"Pearson\u2019s {_CHI2}",
+}
 
 
 def p_value(p: float, name: str = "p", draws: int = 0) -> str:
@@ -99,9 +104,9 @@ def scores_differ(test: ScoresDiffer) -> str:
 
 
 def rates_differ(test: RatesDiffer) -> str:
-    """Return the groups' hits on a video and Fisher's test, as it is and after Holm."""
+    """Return the groups' hits on a video and the test of the difference, as it is and after Holm."""
     hits = ", ".join(f"{name} {h}/{m}" for name, h, m in zip(test.levels, test.hits, test.n, strict=True))
-    return f"{hits}: Fisher\u2019s exact {p_value(test.p)}, {p_value(test.p_holm, 'Holm p')}"
+    return f"{hits}: {_RATE_TESTS[test.method]} {p_value(test.p, draws=test.draws)}, {p_value(test.p_holm, 'Holm p')}"
 
 
 def difference(pair: Pair) -> str:
@@ -122,11 +127,10 @@ def bayes_factor(bf01: float) -> str:
 
 def near_neighbours(test: NearNeighbours) -> str:
     """Return the mean distance of confusions on the circle."""
-    p = p_value(test.p, draws=test.draws) if test.draws else p_value(test.p, "exact p")
     if not test.confusions:
-        return "no confusions"
+        return "no confusions of emotions that have a place on it"
     distance, expected = number(test.mean_distance, 1), number(test.expected, 1)
-    return f"mean distance {distance}\N{DEGREE SIGN}, {expected}\N{DEGREE SIGN} expected, {p}"
+    return f"mean distance {distance}\N{DEGREE SIGN}, {expected}\N{DEGREE SIGN} expected, {p_value(test.p, 'exact p')}"
 
 
 def compared(test: Compared) -> str:

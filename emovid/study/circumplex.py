@@ -3,12 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import permutations
-from math import factorial
 
 import numpy as np
 from numpy.typing import NDArray
-
-from emovid.study.goodness import DRAWS
 
 # Degrees from pleasure (0) through arousal (90) to displeasure (180) of the words happy,
 # astonished, angry, afraid and sad as J. Russell, "A circumplex model of affect", J. Personality and Social Psychology
@@ -16,9 +13,6 @@ from emovid.study.goodness import DRAWS
 # 1938. No word for disgust was scaled; it stands at "distressed", between fear and sadness, where the paper has it:
 # Table III lists the emotions counterclockwise in this order.
 ANGLES = {"happiness": 7.8, "surprise": 69.8, "anger": 99.0, "fear": 116.0, "disgust": 138.0, "sadness": 207.5}
-
-# 7! = 5040 relabellings are listed, 8! are not.
-_MOST_LISTED = 7
 
 
 @dataclass(frozen=True)
@@ -29,18 +23,13 @@ class NearNeighbours:
         confusions: wrong answers, both emotions having a place on the circle.
         mean_distance: of them from the signalled emotion [degrees]; NaN without confusions.
         expected: mean of that over relabellings [degrees].
-        p: share of relabellings with a mean distance as small; 1 without confusions.
-        method: "exact" or "Monte Carlo".
-        draws, seed: of the relabellings; 0 and None for "exact".
+        p: share of all relabellings with a mean distance as small; 1 without confusions.
     """
 
     confusions: int
     mean_distance: float
     expected: float
     p: float
-    method: str
-    draws: int
-    seed: int | None
 
 
 def distances(labels: Sequence[str]) -> NDArray[np.float64]:
@@ -50,7 +39,7 @@ def distances(labels: Sequence[str]) -> NDArray[np.float64]:
     return np.minimum(apart, 360 - apart)
 
 
-def near_neighbours(counts: NDArray[np.int64], labels: Sequence[str], seed: int = 0) -> NearNeighbours:
+def near_neighbours(counts: NDArray[np.int64], labels: Sequence[str]) -> NearNeighbours:
     """Return whether the confusions in `counts` (labels, signalled) fall on near neighbours of the circle.
 
     The emotions swap places on the circle in every way, all confusions kept: a quadratic assignment test (N. Mantel,
@@ -61,33 +50,21 @@ def near_neighbours(counts: NDArray[np.int64], labels: Sequence[str], seed: int 
     Args:
         counts: rows perceived, the first of them the signalled labels in the order of the columns.
         labels: of the rows; those without a place, and "none", are left out.
-        seed: of the relabellings, where not all are listed.
     """
     placed = [row for row, label in enumerate(labels) if label in ANGLES]
     columns = [row for row in placed if row < counts.shape[1]]
     wrong = np.zeros((len(placed), len(placed)))
     wrong[:, : len(columns)] = counts[np.ix_(placed, columns)]
     np.fill_diagonal(wrong, 0)
-    total, listed = int(wrong.sum()), len(placed) <= _MOST_LISTED
+    total = int(wrong.sum())
     if not total:
-        return NearNeighbours(0, float("nan"), float("nan"), 1.0, "exact", 0, None)
+        return NearNeighbours(0, float("nan"), float("nan"), 1.0)
     between = distances([labels[row] for row in placed])
-    means = [(between[np.ix_(order, order)] * wrong).sum() / total for order in _relabellings(len(placed), seed)]
+    means = [(between[np.ix_(order, order)] * wrong).sum() / total for order in permutations(range(len(placed)))]
     observed = (between * wrong).sum() / total
     return NearNeighbours(
         confusions=total,
         mean_distance=float(observed),
         expected=float(np.mean(means)),
         p=float(np.mean(np.array(means) <= observed + 1e-9)),  # sums in another order may differ by rounding
-        method="exact" if listed else "Monte Carlo",
-        draws=0 if listed else DRAWS,
-        seed=None if listed else seed,
     )
-
-
-def _relabellings(k: int, seed: int) -> NDArray[np.int64]:
-    """Return the orders (relabellings, k) of k emotions, the given one first: all, or `DRAWS` more at random."""
-    if k <= _MOST_LISTED:
-        return np.array(list(permutations(range(k)))).reshape(factorial(k), k)
-    rng = np.random.default_rng(seed)
-    return np.vstack([np.arange(k), rng.permuted(np.tile(np.arange(k), (DRAWS, 1)), axis=1)])

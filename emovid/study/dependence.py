@@ -24,10 +24,11 @@ MOST_SHUFFLED = 1_000
 
 @dataclass(frozen=True)
 class Agreement:
-    """Fleiss' kappa over the participants who answered every video; NaN for fewer than two, or one label throughout.
+    """Fleiss' kappa over the participants who answered every video that was shown.
 
     Attributes:
-        kappa: 1 for full agreement, 0 for none beyond the labels' shares.
+        kappa: 1 for full agreement, 0 for none beyond the labels' shares; NaN for fewer than two participants or
+            videos, or one label throughout.
         participants: with complete answers.
         videos: they saw.
     """
@@ -43,7 +44,7 @@ class VideosDiffer:
 
     Attributes:
         statistic: Q, 0 where no participant has both hits and misses.
-        dof: videos less one.
+        dof: videos that were shown, less one.
         p: from the chi-squared distribution.
         participants: with complete answers.
     """
@@ -82,25 +83,28 @@ class LabelUse:
 
 def agreement(choices: NDArray[np.int64], k: int) -> Agreement:
     """Return Fleiss' kappa of k labels (J. Fleiss, 1971), which takes each participant to have answered each video."""
-    complete = _complete(choices)
-    table, labels = aggregate_raters(complete.T, n_cat=k) if complete.size else (np.empty((0, k)), ())
-    defined = len(complete) > 1 and len(np.unique(complete)) > 1
-    kappa = float(fleiss_kappa(table)) if defined and len(labels) else float("nan")
+    rows, shown = _complete(choices)
+    complete = choices[np.ix_(rows, shown)]
+    defined = min(complete.shape) > 1 and len(np.unique(complete)) > 1
+    kappa = float(fleiss_kappa(aggregate_raters(complete.T, n_cat=k)[0])) if defined else float("nan")
     return Agreement(kappa, *complete.shape)
 
 
 def videos_differ(choices: NDArray[np.int64]) -> VideosDiffer:
-    """Return Cochran's Q (W. Cochran, 1950) of the hits of participants who answered every video."""
-    hits = _complete(choices) == np.arange(choices.shape[1])
-    dof, mixed = choices.shape[1] - 1, hits.any(axis=1) & ~hits.all(axis=1)
+    """Return Cochran's Q (W. Cochran, 1950) of the hits of participants who answered every video that was shown."""
+    hits = (choices == np.arange(choices.shape[1]))[np.ix_(*_complete(choices))]
+    dof, mixed = max(hits.shape[1] - 1, 0), hits.any(axis=1) & ~hits.all(axis=1)
     if not mixed.any():  # Q is 0 / 0: nobody tells the videos apart
         return VideosDiffer(0.0, dof, 1.0, len(hits))
     test = cochrans_q(hits.astype(np.int64))
     return VideosDiffer(float(test.statistic), dof, float(test.pvalue), len(hits))
 
 
-def _complete(choices: NDArray[np.int64]) -> NDArray[np.int64]:
-    return choices[(choices >= 0).all(axis=1)]
+def _complete(choices: NDArray[np.int64]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return the participants (True) who answered every video that was shown, and the videos that were."""
+    answered = choices >= 0
+    shown = np.asarray(answered.any(axis=0))  # not every label on offer need have a video
+    return np.asarray(answered[:, shown].all(axis=1)), shown
 
 
 def label_use(choices: NDArray[np.int64], k: int, seed: int = 0) -> LabelUse:

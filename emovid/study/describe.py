@@ -6,7 +6,7 @@ from pathlib import Path
 
 from emovid.study.dialects.columns import column, holds_answers
 from emovid.study.dialects.people import PARTICIPANT
-from emovid.study.dialects.raw import Known, Raw
+from emovid.study.dialects.raw import ANSWER_TO, Known, Raw
 from emovid.study.dialects.registry import dialect_of
 from emovid.study.dialects.videos import code_in
 from emovid.study.errors import StudyError, quoted
@@ -74,7 +74,7 @@ def describe_columns(
         problem = error.message
     roles = _roles(table, known, raw)
     columns = tuple(_column(table, place, roles.get(name, "")) for place, name in enumerate(table.names))
-    return Description(str(path), dialect, problem, columns, _map(table, known, columns))
+    return Description(str(path), dialect, problem, columns, _map(table, known, raw, columns))
 
 
 def _first_table(folder: Path, known: Known) -> tuple[Path, Table]:
@@ -91,9 +91,9 @@ def _first_table(folder: Path, known: Known) -> tuple[Path, Table]:
 def _roles(table: Table, known: Known, raw: Raw | None) -> dict[str, str]:
     """Return the role of each column; what only looks like one has a question mark."""
     if raw is not None:
-        return dict.fromkeys(map(str, raw.participants.columns), "group") | dict(raw.roles)
-    places = [place for place in range(len(table.names)) if holds_answers(table, place, known)]
-    roles = {table.names[place]: "answer?" for place in places}
+        places = [column(table, title) for title in _groups(table, known, raw).values()]
+        return {table.names[place]: "group" for place in places if place is not None} | dict(raw.roles)
+    roles = {name: "answer?" for place, name in enumerate(table.names) if holds_answers(table, place, known)}
     person = column(table, *PARTICIPANT)
     return roles if person is None else roles | {table.names[person]: "participant?"}
 
@@ -105,15 +105,28 @@ def _column(table: Table, place: int, role: str) -> Column:
     return Column(name, "" if text == name else text, role, examples)
 
 
-def _map(table: Table, known: Known, columns: Sequence[Column]) -> str:
+def _map(table: Table, known: Known, raw: Raw | None, columns: Sequence[Column]) -> str:
     """Return a map.yaml with what was found; the words of answers that are no labels are listed to be given one."""
-    named = {role: [c.name for c in columns if c.role.rstrip("?").split(" ")[0] == role] for role in _ROLES}
-    videos = {name: code_in(name, known) for name in named["answer"]} if len(named["answer"]) > 1 else {}
+    participant = next((c.name for c in columns if c.role.rstrip("?") == "participant"), "")
     places = [place for place, c in enumerate(columns) if c.role.startswith("answer")]
-    words = sorted({number(str(word)) for place in places for word in table.cells[place].unique() if word})
+    answers = [table.cells[place] for place in places] if raw is None else [raw.answers["answer"]]
+    words = sorted({number(str(word)) for cells in answers for word in cells.unique() if word})
     unknown = [word for word in words if known.labels.find(word) is None][:_MOST_CODES]
-    participant = named["participant"][0] if named["participant"] else ""
-    return map_text(participant, videos, {name: name for name in named["group"]}, unknown)
+    return map_text(participant, _videos(known, columns), _groups(table, known, raw), unknown)
 
 
-_ROLES = ("participant", "answer", "group")
+def _groups(table: Table, known: Known, raw: Raw | None) -> dict[str, str]:
+    """Return the column of each group that has one."""
+    names = [] if raw is None else list(map(str, raw.participants.columns))
+    titles = {name: known.mapping.groups.get(name, name) for name in names}
+    return {name: title for name, title in titles.items() if column(table, title) is not None}
+
+
+def _videos(known: Known, columns: Sequence[Column]) -> dict[str, str] | list[str]:
+    """Return the code of each column of answers ("" where it is to be said), a list where columns are named alike."""
+    asked = [c for c in columns if c.role.startswith("answer")]
+    if len(asked) < 2:
+        return {}
+    if len({c.name for c in asked}) < len(asked):
+        return list(known.mapping.in_order) or [""] * len(asked)
+    return {c.name: c.role.partition(ANSWER_TO)[2] or code_in(c.name, known) or code_in(c.text, known) for c in asked}

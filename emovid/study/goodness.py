@@ -100,6 +100,8 @@ def monte_carlo_p(counts: NDArray[np.int64], rng: np.random.Generator, draws: in
 @cache
 def partitions(n: int, k: int) -> int:
     """Return in how many ways n is a sum of at most k parts, order aside; `MOST_PARTITIONS` + 1 where more."""
+    if k > 1 and n // 2 >= MOST_PARTITIONS:  # two parts alone are n // 2 + 1 ways; spares arrays of huge n
+        return MOST_PARTITIONS + 1
     ways = np.ones(n + 1, dtype=np.int64)
     for part in range(2, k + 1):  # as many as there are with parts of at most k (the conjugate partitions)
         for first in range(part):

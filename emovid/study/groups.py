@@ -59,9 +59,11 @@ class RatesDiffer:
     Attributes:
         levels: the groups.
         hits, n: right answers and answers of each.
-        p: Fisher's exact test; for more than two groups with answers, Fisher, Freeman and Halton's from `DRAWS` tables,
-            or Pearson's in large studies.
+        p: of `method`; 1 where nothing can differ.
         p_holm: after Holm's correction over the videos.
+        method: "exact" (Fisher's test), for more than two groups with answers "Monte Carlo" (Fisher, Freeman and
+            Halton's) or "chi-squared" (Pearson's, in large studies).
+        draws, seed: of the random tables; 0 and None unless "Monte Carlo".
         pairs: each two groups.
         tiny: groups of fewer than `MIN_GROUP` answers.
     """
@@ -71,6 +73,9 @@ class RatesDiffer:
     n: tuple[int, ...]
     p: float
     p_holm: float
+    method: str
+    draws: int
+    seed: int | None
     pairs: tuple[Pair, ...]
     tiny: tuple[str, ...]
 
@@ -142,15 +147,18 @@ def rates_differ(choices: NDArray[np.int64], group: Sequence[object], seed: int 
     )
     n = member.astype(np.int64) @ (choices >= 0)
     hits = member.astype(np.int64) @ (choices == np.arange(choices.shape[1]))
-    p = np.array([_fisher(h, m, seed) for h, m in zip(hits.T, n.T, strict=True)])
-    adjusted = holm(p, (n > 0).sum(axis=0) > 1)
+    tests = [_fisher(h, m, seed) for h, m in zip(hits.T, n.T, strict=True)]
+    adjusted = holm(np.array([p for p, _ in tests]), (n > 0).sum(axis=0) > 1)
     return [
         RatesDiffer(
             levels=levels,
             hits=tuple(h.tolist()),
             n=tuple(m.tolist()),
-            p=float(p[j]),
+            p=tests[j][0],
             p_holm=float(adjusted[j]),
+            method=tests[j][1],
+            draws=DRAWS if tests[j][1] == "Monte Carlo" else 0,
+            seed=seed if tests[j][1] == "Monte Carlo" else None,
             pairs=tuple(
                 rate_pair((levels[a], levels[b]), (int(h[a]), int(h[b])), (int(m[a]), int(m[b])))
                 for a, b in combinations(range(len(levels)), 2)
@@ -161,14 +169,15 @@ def rates_differ(choices: NDArray[np.int64], group: Sequence[object], seed: int 
     ]
 
 
-def _fisher(hits: NDArray[np.int64], n: NDArray[np.int64], seed: int) -> float:
-    """Return the p of hits and misses (2, groups), those without answers left out; 1 where nothing can differ."""
+def _fisher(hits: NDArray[np.int64], n: NDArray[np.int64], seed: int) -> tuple[float, str]:
+    """Return the p of hits and misses (2, groups), those without answers left out, and the method as `RatesDiffer`."""
     table = np.array([hits, n - hits])[:, n > 0]
     if table.shape[1] < 2 or not table.any(axis=1).all():
-        return 1.0
+        return 1.0, "exact"
     if table.shape[1] == 2:
-        return float(fisher_exact(table).pvalue)
+        return float(fisher_exact(table).pvalue), "exact"
     if table.sum() > _MOST_SHUFFLED:
-        return float(chi2_contingency(table).pvalue)
+        return float(chi2_contingency(table).pvalue), "chi-squared"
     method = MonteCarloMethod(n_resamples=DRAWS, rng=np.random.default_rng(seed))
-    return float(np.squeeze(fisher_exact(table, method=method).pvalue))  # an array where all shuffles are alike
+    p = np.squeeze(fisher_exact(table, method=method).pvalue)  # an array where all shuffles are alike
+    return float(p), "Monte Carlo"

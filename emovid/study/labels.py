@@ -47,7 +47,7 @@ class Labels:
         Raises:
             StudyError: unless there are 2 to 12 different labels.
         """
-        cleaned = [" ".join(name.split()) for name in names]
+        cleaned = [_canonical(name) for name in names]
         self.offers_none = any(plain(name) in _NONE_OF_THESE for name in cleaned)
         self.signalled = tuple(name for name in cleaned if plain(name) not in _NONE_OF_THESE)
         _check(self.signalled)
@@ -91,8 +91,11 @@ def plain(text: str) -> str:
 
 
 def number(text: str) -> str:
-    """Return a whole number without its decimals (LimeSurvey's 24.0000000000 as 24), any other text stripped."""
-    found = re.fullmatch(r"\s*([+-]?\d{1,15})\.0+\s*", text)
+    """Return a whole number without its decimals (LimeSurvey's 24.0000000000 as 24), any other text stripped.
+
+    After a comma three zeros are thousands.
+    """
+    found = re.fullmatch(r"\s*([+-]?\d{1,15})(?:\.0+|,0{1,2}|,0{4,})\s*", text)
     return found[1] if found else text.strip()
 
 
@@ -100,6 +103,11 @@ def _key(text: str) -> str:
     """Return what answers of a map are compared by: `plain`, but where nothing remains of it, as in "+" or "-1"."""
     text = number(text)
     return text if re.fullmatch(r"\W*|[+-]\d+", text) else plain(text)
+
+
+def _canonical(name: str) -> str:
+    """Return a label as it is written in tables: the six emotions as everywhere, others as given."""
+    return plain(name) if plain(name) in EMOTIONS else " ".join(name.split())
 
 
 def _words(names: Sequence[str]) -> dict[str, str]:

@@ -53,9 +53,9 @@ def read_mapping(path: Path) -> Mapping:
     if not text.strip():
         raise StudyError(str(path), f"empty; expected some of {', '.join(KEYS)}")
     try:
-        values, places = read_yaml(text, str(path))
+        values, places = read_yaml(text, str(path), "map", as_words=True)
     except SceneError as error:
-        raise StudyError(error.where, error.message.replace("a scene", "a map"), 0, error.key) from None
+        raise StudyError(error.where, error.message, 0, error.key) from None
     if not isinstance(values, dict):
         raise StudyError(str(path), f"no map; expected some of {', '.join(KEYS)}")
     for key in values:
@@ -64,12 +64,12 @@ def read_mapping(path: Path) -> Mapping:
     return _mapping({key: value for key, value in values.items() if value is not None}, places)
 
 
-def map_text(participant: str, videos: Map[str, str], groups: Map[str, str], answers: Sequence[str]) -> str:
+def map_text(participant: str, videos: Map[str, str] | list[str], groups: Map[str, str], answers: Sequence[str]) -> str:
     """Return a map.yaml to edit: what was found in a file, and in comments what else can be said."""
     known: dict[str, Any] = {}
     if participant:
         known["participant"] = participant
-    known["videos"] = dict(videos) or None
+    known["videos"] = videos or None
     known["answers"] = dict.fromkeys(answers) or None
     known["groups"] = dict(groups) or None
     text = yaml.safe_dump(known, sort_keys=False, allow_unicode=True, default_flow_style=False, width=10_000)
@@ -85,21 +85,21 @@ _COMMENTS = """\
 
 
 def _mapping(values: dict[str, Any], places: _Places) -> Mapping:
-    def words(key: str) -> dict[str, str]:
-        table = _table(values, key, places)
-        return {name: _word(value, (key, name), places) for name, value in table.items() if value is not None}
-
-    videos = values.get("videos", {})
+    videos, in_order = _codes(values, places)
     answers = {
         cell: None if label is None else _word(label, ("answers", cell), places)
         for cell, label in _table(values, "answers", places).items()
     }
     return Mapping(
         participant=_word(values.get("participant", ""), ("participant",), places),
-        videos={} if isinstance(videos, list) else {column: code_of(code) for column, code in words("videos").items()},
-        in_order=_list(videos, ("videos",), places, code_of) if isinstance(videos, list) else (),
+        videos=videos,
+        in_order=in_order,
         answers=answers,
-        groups=words("groups"),
+        groups={
+            name: _word(title, ("groups", name), places)
+            for name, title in _table(values, "groups", places).items()
+            if title is not None
+        },
         drop={
             name: _list(value if isinstance(value, list) else [value], ("drop", name), places)
             for name, value in _table(values, "drop", places).items()
@@ -107,6 +107,22 @@ def _mapping(values: dict[str, Any], places: _Places) -> Mapping:
         labels=_list(values.get("labels", []), ("labels",), places),
         places=places,
     )
+
+
+def _codes(values: dict[str, Any], places: _Places) -> tuple[dict[str, str], tuple[str, ...]]:
+    """Return the code of each column, or the codes of columns in their order."""
+    videos = values.get("videos")
+    if isinstance(videos, list):
+        return {}, tuple(_code(code, ("videos", i), places) for i, code in enumerate(videos))
+    table = _table(values, "videos", places)
+    return {column: _code(code, ("videos", column), places) for column, code in table.items()}, ()
+
+
+def _code(value: Any, path: tuple[str | int, ...], places: _Places) -> str:
+    code = "" if value is None else code_of(_word(value, path, places))
+    if not code:
+        raise StudyError(_place(path, places), "no code; expected that of the video", 0, ".".join(map(str, path)))
+    return code
 
 
 def _table(values: dict[str, Any], key: str, places: _Places) -> dict[str, Any]:
@@ -124,17 +140,19 @@ _SHAPES = {
 }
 
 
-def _list(value: Any, path: tuple[str, ...], places: _Places, change: Any = str) -> tuple[str, ...]:
+def _list(value: Any, path: tuple[str, ...], places: _Places) -> tuple[str, ...]:
     if not isinstance(value, list):
         raise StudyError(places[path], f"{quoted(str(value))} given; expected a list", 0, ".".join(path))
-    return tuple(change(_word(item, (*path, i), places)) for i, item in enumerate(value))
+    return tuple(_word(item, (*path, i), places) for i, item in enumerate(value))
 
 
 def _word(value: Any, path: tuple[str | int, ...], places: _Places) -> str:
-    """Return a word; YAML reads some as numbers or as true and false, and they are meant as written."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str | int | float):
-        return str(value)
-    place = places.get(path) or places[path[:1]]
-    raise StudyError(place, f"{quoted(str(value))} given; expected a word", 0, ".".join(map(str, path)))
+    if isinstance(value, str):
+        return value
+    given = "nothing" if value is None else quoted(str(value))
+    raise StudyError(_place(path, places), f"{given} given; expected a word", 0, ".".join(map(str, path)))
+
+
+def _place(path: tuple[str | int, ...], places: _Places) -> str:
+    """Return where a value stands, the least whole of which it is a part if its own place is not known."""
+    return next(places[path[:length]] for length in range(len(path), 0, -1) if path[:length] in places)

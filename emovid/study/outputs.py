@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from emovid.study.cells import csv_text
-from emovid.study.matrix import matrix_csv, matrix_latex, matrix_markdown
+from emovid.study.matrix import latex_text, matrix_csv, matrix_latex, matrix_markdown
 from emovid.study.responses import Responses
 
 Block = Mapping[str, Any]
@@ -56,8 +56,13 @@ def result_files(results: Block, responses: Responses | None) -> dict[str, str]:
 
 
 def tidy_csv(responses: Responses) -> str:
-    """Return one row for each participant and video, the participant's groups repeated in it."""
-    table = responses.answers.merge(responses.participants, left_on="participant", right_index=True, how="left")
+    """Return one row for each participant and video, the participant's groups repeated in it.
+
+    A group whose name is that of another column of the table has "(group)" after it.
+    """
+    taken = {*responses.answers.columns, "correct"}
+    groups = responses.participants.rename(columns=lambda name: f"{name} (group)" if name in taken else name)
+    table = responses.answers.merge(groups, left_on="participant", right_index=True, how="left")
     table = table.assign(correct=(table["signalled"] == table["perceived"]).astype(int))
     rows = table.astype(object).where(table.notna(), "").itertuples(index=False, name=None)
     return csv_text(list(map(str, table.columns)), rows)
@@ -78,7 +83,7 @@ def tests_latex(results: Block) -> str:
     for name, fit in results["goodness_of_fit"].items():
         found = results["recognition"][name]
         cells = (
-            name.capitalize(),
+            latex_text(name.capitalize()),
             f"{found['hits']}/{found['n']}",
             _interval(found),
             _fixed(fit["statistic"], 2),
@@ -123,7 +128,5 @@ def _fixed(value: float | None, decimals: int) -> str:
     return "--" if value is None else f"{value:.{decimals}f}"
 
 
-def _p(p: float | None) -> str:
-    if p is None:
-        return "--"
+def _p(p: float) -> str:
     return "$<$ .001" if p < 0.001 else f"{p:.3f}".removeprefix("0")

@@ -18,7 +18,7 @@ from emovid.study.labels import NONE, Labels, plain
 from emovid.study.mapping import Mapping, read_mapping
 from emovid.study.responses import EMOTIONS, Rejected, Responses, Source
 from emovid.study.settle import COLUMNS, settle
-from emovid.study.tables import Table, read_table
+from emovid.study.tables import Table, read_table, utf8
 from emovid.whole_files import reason
 
 
@@ -32,9 +32,9 @@ class _Read:
 
 
 def read_responses(
-    sources: Sequence[Path] | Path | str,
-    key: Path | None = None,
-    mapping: Path | None = None,
+    sources: Sequence[Path | str] | Path | str,
+    key: Path | str | None = None,
+    mapping: Path | str | None = None,
     labels: Sequence[str] | None = None,
     groups: Sequence[str] = (),
 ) -> Responses:
@@ -50,9 +50,9 @@ def read_responses(
     Raises:
         StudyError: for a file that cannot be understood, and where no answer is left.
     """
-    paths = [Path(sources)] if isinstance(sources, Path | str) else list(sources)
-    known = known_from(key, mapping, labels, groups)
-    files, skipped = _read_all(paths, known, {path.resolve() for path in (key, mapping) if path})
+    paths = list(map(Path, [sources] if isinstance(sources, Path | str) else sources))
+    known = known_from(Path(key) if key else None, Path(mapping) if mapping else None, labels, groups)
+    files, skipped = _read_all(paths, known, {Path(path).resolve() for path in (key, mapping) if path})
     if not files:
         first = skipped[0] if skipped else Rejected(", ".join(map(str, paths)), 0, "", "", "no file here")
         raise StudyError(first.file, f"{first.reason}; expected an export of a survey" if not skipped else first.reason)
@@ -82,7 +82,8 @@ def open_table(path: Path) -> tuple[Table, str]:
         StudyError: if it is neither, or has no rows.
     """
     data = read_bytes(path)
-    table = json_table(data, str(path)) if data.lstrip()[:1] in (b"[", b"{") else read_table(data, str(path))
+    is_json = utf8(data[:100], str(path)).lstrip()[:1] in (b"[", b"{")
+    table = json_table(data, str(path)) if is_json else read_table(data, str(path))
     if not len(table.lines):
         found = table.rejected[0].reason if table.rejected else "a header alone"
         raise StudyError(str(path), f"{found}; expected a row for each participant or answer", 1)
@@ -175,8 +176,8 @@ def _participants(
 
 
 def _nothing_left(file: str, rejected: Sequence[Rejected], dropped: Counter[str]) -> StudyError:
-    if dropped and not any(item.row for item in rejected):
-        counts = ", ".join(f"{count} {reason}" for reason, count in dropped.items())
+    if dropped.total() and not any(item.row for item in rejected):
+        counts = ", ".join(f"{count} {reason}" for reason, count in dropped.items() if count)
         return StudyError(file, f"no participant is left ({counts}); expected answers")
     if not rejected:
         return StudyError(file, "no answer in it; expected some")

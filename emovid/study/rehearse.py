@@ -37,18 +37,20 @@ def responders(
     Args:
         accuracy: of each video, 0 to 1.
         labels: how many there are, k.
-        bias: weight (k,) of each label among wrong answers; equal if left out.
+        bias: weight (k,) of each label among wrong answers; equal if left out, and to a video for which no wrong label
+            has weight.
         elimination: as in `Responders`.
         dropout: as in `Responders`.
     """
     weights = np.ones(labels) if bias is None else np.asarray(bias, dtype=float)
-    probabilities = np.repeat(weights[:, None], len(accuracy), axis=1)
     right = np.arange(len(accuracy))
-    probabilities[right, right] = 0.0
-    wrong = np.maximum(probabilities.sum(axis=0), np.finfo(float).tiny)
-    probabilities = probabilities / wrong * (1 - accuracy)
+    others = np.ones((labels, len(accuracy)))
+    others[right, right] = 0.0
+    wrong = others * weights[:, None]
+    wrong = np.where(wrong.any(axis=0), wrong, others)
+    probabilities = wrong / wrong.sum(axis=0) * (1 - accuracy)
     probabilities[right, right] = accuracy
-    return Responders(probabilities / probabilities.sum(axis=0), elimination, dropout)
+    return Responders(probabilities, elimination, dropout)
 
 
 def rehearse(

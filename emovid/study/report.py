@@ -71,7 +71,7 @@ def _participants(results: Block, responses: Responses | None) -> str:
         return _section("Participants", f"<p>{results['n_responses']} answers; participants are not known.</p>")
     total = len(responses.participants)
     rows = [
-        [column.replace("_", " "), level, str(often), f"{100 * often / total:.1f} %"]
+        [column.replace("_", " "), level or "not said", str(often), f"{100 * often / total:.1f} %"]
         for column in responses.participants.columns
         for level, often in responses.participants[column].value_counts().sort_index().items()
     ]
@@ -80,7 +80,7 @@ def _participants(results: Block, responses: Responses | None) -> str:
 
 
 def _hypothesis(results: Block) -> str:
-    found = results["recognition"]
+    found = {name: test for name, test in results["recognition"].items() if test["n"]}
     above = [name for name, test in found.items() if test["above_chance"]]
     said = f"{len(above)} of {len(found)} emotions were recognised above chance (exact binomial, Holm)."
     holds = "is supported" if len(above) == len(found) else "is supported in part" if above else "is not supported"

@@ -59,7 +59,8 @@ class Responses:
         participants: indexed by participant, one text column for each group (gender, robotics_background, age, ...).
         sources: the files.
         rejected: rows and cells that were not used.
-        dropped: participants left out as a whole, by reason ("preview", "partial", "bot", "test run", ...).
+        dropped: participants left out as a whole, by reason ("preview", "partial", "bot", "test run", ...); 0 for
+            a value of the map that nobody has.
     """
 
     signalled: tuple[str, ...]
@@ -75,11 +76,22 @@ class Responses:
 
         Rows are in the order of `participants`. A participant who saw several videos of one emotion has the first here.
         """
+        first = self._first_answers()
+        return self._by_emotion(first, pd.Index(self.labels).get_indexer(first["perceived"]))
+
+    def positions(self) -> NDArray[np.int64]:
+        """Return the positions (participants, signalled) at which `choices` were made, from 1; -1 where unknown."""
+        first = self._first_answers()
+        return self._by_emotion(first, first["position"].fillna(-1).to_numpy(dtype=np.int64))
+
+    def _first_answers(self) -> pd.DataFrame:
+        return self.answers.drop_duplicates(["participant", "signalled"])
+
+    def _by_emotion(self, answers: pd.DataFrame, values: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return one value for each of the answers as a table (participants, signalled), -1 elsewhere."""
         table = np.full((len(self.participants), len(self.signalled)), -1, dtype=np.int64)
-        first = self.answers.drop_duplicates(["participant", "signalled"])
-        rows = self.participants.index.get_indexer(first["participant"])
-        columns = pd.Index(self.signalled).get_indexer(first["signalled"])
-        table[rows, columns] = pd.Index(self.labels).get_indexer(first["perceived"])
+        rows = self.participants.index.get_indexer(answers["participant"])
+        table[rows, pd.Index(self.signalled).get_indexer(answers["signalled"])] = values
         return table
 
     def counts(self) -> NDArray[np.int64]:

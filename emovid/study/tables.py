@@ -67,8 +67,8 @@ def read_table(data: bytes, file: str) -> Table:
     """
     text = utf8(data, file)
     if not text.strip():
-        raise StudyError(file, "empty; expected a header and a row for each participant or answer")
-    stated = re.match(rb'"?sep=(.)"?[ \t]*\n', text)
+        raise StudyError(file, "empty; expected a header and rows")
+    stated = re.match(rb'(?i)"?sep=(.)\1*"?[ \t]*\n', text)
     above = 1 if stated else 0
     text = text[stated.end() :] if stated else text
     delimiter = stated[1].decode("latin-1") if stated else sniff(text)

@@ -7,6 +7,7 @@ import pytest
 from known import TABLE_III
 from scipy.stats import binomtest, chisquare
 
+from emovid.figures.study import study_figures
 from emovid.study.analyze import analyze, analyze_counts
 from emovid.study.responses import EMOTIONS, Responses
 
@@ -98,6 +99,80 @@ def test_a_wrong_label_that_everyone_gives_is_warned_of() -> None:
     counts[:, 0] = [1, 1, 1, 1, 1, 25]
     said = analyze_counts(counts, EMOTIONS, EMOTIONS)["warnings"]
     assert "happiness: the answers are not uniform, but not because it was recognised: most said sadness" in said
+
+
+def test_the_right_label_is_not_called_a_wrong_one() -> None:
+    counts = np.full((6, 6), 5)
+    counts[:, 0] = [5, 5, 5, 0, 0, 0]
+    said = analyze_counts(counts, EMOTIONS, EMOTIONS)["warnings"]
+    assert "happiness: the answers are not uniform, yet it is not above chance" in said
+    counts[:, 0] = [0, 0, 0, 5, 5, 5]
+    said = analyze_counts(counts, EMOTIONS, EMOTIONS)["warnings"]
+    text = "happiness: the answers are not uniform, but not because it was recognised: most said fear and disgust and"
+    assert any(line.startswith(text) for line in said)
+
+
+def test_a_label_without_a_video_is_named_and_no_answer_is_missing() -> None:
+    study = responses(TABLE_III)
+    labels = (*EMOTIONS, "neutral")
+    offered = analyze(Responses(labels, labels, study.answers, study.participants))
+    assert "neutral: no answers to a video of it" in offered["warnings"]
+    assert not [line for line in offered["warnings"] if "missing" in line or line.startswith("neutral: 0.0")]
+    without = analyze(study)["dependence"]
+    for name in ("fleiss_kappa", "cochran_q"):
+        assert offered["dependence"][name] == without[name]
+
+
+def test_who_was_left_out_is_said() -> None:
+    study = responses(TABLE_III)
+    dropped = Responses(EMOTIONS, EMOTIONS, study.answers, study.participants, dropped={"preview": 2, "bot": 1})
+    assert "participants left out: 2 preview, 1 bot" in analyze(dropped)["warnings"]
+
+
+def test_a_missing_answer_is_counted() -> None:
+    study = responses(TABLE_III)
+    some = analyze(Responses(EMOTIONS, EMOTIONS, study.answers[:-2], study.participants))
+    assert "2 of 270 answers are missing" in some["warnings"]
+
+
+def test_of_two_videos_of_one_emotion_the_first_answer_goes_with_its_own_position() -> None:
+    # Everybody is right about the first anger and the first fear, at positions 1 and 2, and wrong about the others.
+    rows = [
+        (f"p{i}", f"{emotion}{take}", emotion, emotion if take == 0 else "sadness", 2 * take + 1 + (i + j) % 2)
+        for i in range(8)
+        for j, emotion in enumerate(("anger", "fear"))
+        for take in (0, 1)
+    ]
+    answers = pd.DataFrame(rows, columns=["participant", "video", "signalled", "perceived", "position"])
+    people = pd.DataFrame(index=[f"p{i}" for i in range(8)])
+    found = analyze(Responses(EMOTIONS, EMOTIONS, answers.astype({"position": "Int64"}), people))
+    assert (found["dependence"]["order"]["hits"], found["dependence"]["order"]["n"]) == ([8, 8], [8, 8])
+    said = [line for line in found["warnings"] if "second or later" in line]
+    assert said[0].startswith("16 answers are a participant's second or later to one emotion")
+
+
+def test_a_group_of_very_many_levels_is_compared_only_where_it_is_asked_for() -> None:
+    study = responses(TABLE_III)
+    aged = study.participants.assign(
+        age=[str(20 + i % 13) for i in range(45)], hand=["", *"abcdefghijkl" * 3, *"abcdefgh"]
+    )
+    study = Responses(EMOTIONS, EMOTIONS, study.answers, aged)
+    found = analyze(study)
+    assert list(found["groups"]) == list(found["group_differences"]) == ["hand"]
+    assert "age: 13 levels, too many for a group; --by age compares them all the same" in found["warnings"]
+    asked = analyze(study, by=["age"])
+    assert list(asked["groups"]) == ["age"]
+    assert not [line for line in asked["warnings"] if "too many" in line]
+
+
+def test_figures_of_groups_have_names_that_any_file_system_takes() -> None:
+    study = responses(TABLE_III)
+    question = "Geschlecht (m/w/d): " + "wie Sie es nennen? " * 20
+    groups = {question: "hand", f"{question}!": "hand", "Hand": "hand", "hand": "hand", "a_b": "hand"}
+    people = pd.DataFrame({name: study.participants[column] for name, column in groups.items()})
+    names = list(study_figures(analyze(Responses(EMOTIONS, EMOTIONS, study.answers, people))))
+    long = "accuracy-Geschlecht-m-w-d-wie-Sie-es-nennen-wie-Sie-es-nenne"
+    assert names[2:] == [long, f"{long}-2", "accuracy-Hand", "accuracy-hand-2", "accuracy-a-b"]
 
 
 def test_few_answers_are_warned_of() -> None:

@@ -77,8 +77,19 @@ def test_within_participants() -> None:
 def test_groups() -> None:
     scores = ScoresDiffer(("no", "yes"), (3, 4), (0.5, 0.25), 0.1143, "exact", 0, None, (), ())
     assert apa.scores_differ(scores) == "no 50.0%, yes 25.0%: permutation test, exact p = .114"
-    rates = RatesDiffer(("no", "yes"), (18, 11), (29, 16), 0.7519, 1.0, (), ())
-    assert apa.rates_differ(rates) == "no 18/29, yes 11/16: Fisher’s exact p = .752, Holm p = 1.000"
+
+
+@pytest.mark.parametrize(
+    ("method", "draws", "said"),
+    [
+        ("exact", 0, "Fisher’s exact p = .752"),
+        ("Monte Carlo", 9999, "Fisher, Freeman and Halton’s Monte Carlo p = .752 (B = 9,999)"),
+        ("chi-squared", 0, "Pearson’s χ² p = .752"),
+    ],
+)
+def test_rates_are_reported_by_the_test_that_was_made(method: str, draws: int, said: str) -> None:
+    rates = RatesDiffer(("no", "yes"), (18, 11), (29, 16), 0.7519, 1.0, method, draws, 0 if draws else None, (), ())
+    assert apa.rates_differ(rates) == f"no 18/29, yes 11/16: {said}, Holm p = 1.000"
 
 
 def test_differences() -> None:
@@ -97,11 +108,15 @@ def test_bayes_factor(bf01: float, expected: str) -> None:
     assert apa.bayes_factor(bf01) == f"BF01 {expected}"
 
 
+def test_a_bayes_factor_that_is_not_known() -> None:
+    assert apa.bayes_factor(float("nan")) == "BF01 n/a"
+
+
 def test_the_circle_and_replications() -> None:
-    near = NearNeighbours(125, 62.176, 78.533, 0.0125, "exact", 0, None)
+    near = NearNeighbours(125, 62.176, 78.533, 0.0125)
     assert apa.near_neighbours(near) == "mean distance 62.2°, 78.5° expected, exact p = .013"
     none = near_neighbours(np.eye(2, dtype=np.int64), ("fear", "anger"))
-    assert apa.near_neighbours(none) == "no confusions"
+    assert apa.near_neighbours(none) == "no confusions of emotions that have a place on it"
     both = Compared((), 40.1667, 30, 0.1017, 0.0896, 9999, 0)
     assert apa.compared(both) == "χ²(30) = 40.17, Monte Carlo p = .090 (B = 9,999)"
 

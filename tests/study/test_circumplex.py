@@ -8,7 +8,6 @@ from known import TABLE_III
 
 from emovid.figures.circumplex import POSITIONS
 from emovid.study.circumplex import ANGLES, distances, near_neighbours
-from emovid.study.goodness import DRAWS
 from emovid.study.responses import EMOTIONS
 
 
@@ -33,7 +32,7 @@ def test_distance_goes_the_short_way_round() -> None:
 
 def test_confusions_of_the_paper_are_near() -> None:
     test = near_neighbours(TABLE_III, EMOTIONS)
-    assert (test.confusions, test.method, test.draws, test.seed) == (270 - 145, "exact", 0, None)
+    assert test.confusions == 270 - 145
     assert test.p == pytest.approx(9 / 720)
     assert test.mean_distance < test.expected
 
@@ -83,14 +82,6 @@ def test_fewer_videos_than_labels() -> None:
     test = near_neighbours(TABLE_III[:, :2], EMOTIONS)
     assert test.confusions == 90 - 29 - 26
     assert test.mean_distance == pytest.approx((distances(EMOTIONS)[:, :2] * TABLE_III[:, :2]).sum() / test.confusions)
-
-
-def test_more_emotions_are_relabelled_at_random(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("emovid.study.circumplex._MOST_LISTED", 5)
-    test = near_neighbours(TABLE_III, EMOTIONS, seed=3)
-    assert (test.method, test.draws, test.seed) == ("Monte Carlo", DRAWS, 3)
-    assert test.p == pytest.approx(9 / 720, abs=0.005)
-    assert near_neighbours(TABLE_III, EMOTIONS, seed=3) == test
 
 
 @given(st.lists(st.integers(0, 9), min_size=16, max_size=16), st.integers(1, 5))

@@ -69,6 +69,18 @@ def test_missing_answers_leave_kappa_and_q_to_the_complete() -> None:
     assert videos_differ(more) == videos_differ(FOUR)
 
 
+def test_a_label_that_has_no_video_leaves_kappa_and_q_as_they_are() -> None:
+    offered = np.column_stack([FOUR, np.full(4, -1)])
+    assert agreement(offered, 7) == agreement(FOUR, 6)
+    assert videos_differ(offered) == videos_differ(FOUR)
+
+
+def test_one_video_alone_has_no_agreement_and_no_difference() -> None:
+    choices = np.array([[0, -1], [1, -1], [0, -1]])
+    assert np.isnan(agreement(choices, 2).kappa)
+    assert (videos_differ(choices).p, videos_differ(choices).dof, videos_differ(choices).participants) == (1, 0, 3)
+
+
 @pytest.mark.parametrize("choices", [np.empty((0, 3)), np.array([[0, 1, 2]]), np.array([[1, 1, 1], [1, 1, 1]])])
 def test_no_agreement_to_speak_of(choices: np.ndarray) -> None:
     assert np.isnan(agreement(choices.astype(np.int64), 3).kappa)

@@ -85,6 +85,12 @@ def test_partitions(n: int, k: int, count: int) -> None:
     assert partitions(n, k) == count
 
 
+def test_partitions_of_more_answers_than_an_array_could_list() -> None:
+    assert partitions(10**12, 2) == partitions(2 * MOST_PARTITIONS, 2) == MOST_PARTITIONS + 1
+    assert partitions(2 * MOST_PARTITIONS - 1, 2) == MOST_PARTITIONS
+    assert partitions(10**6, 1) == 1
+
+
 def test_nobody_answered() -> None:
     test = goodness_of_fit(np.zeros(6, dtype=np.int64))
     assert (test.n, test.statistic, test.p, test.p_exact) == (0, 0, 1, 1)

@@ -82,6 +82,7 @@ def test_rates_are_fishers() -> None:
         table = [[test.hits[0], 6 - test.hits[0]], [test.hits[1], 6 - test.hits[1]]]
         assert test.p == pytest.approx(fisher_exact(table).pvalue)
         assert test.hits[0] == sum(score >= threshold for score in (6, 5, 5, 4, 4, 3))
+        assert (test.method, test.draws, test.seed) == ("exact", 0, None)
     # The third video: 6 of 6 against 0 of 6.
     assert tests[2].p == pytest.approx(2 / comb(12, 6))
     assert tests[2].p_holm == pytest.approx(12 / comb(12, 6))
@@ -100,6 +101,7 @@ def test_rates_of_three_groups() -> None:
     }
     expected = sum(way for way in ways.values() if way <= ways[5, 0, 1]) / comb(15, 6)
     assert first.p == pytest.approx(expected, abs=0.005)
+    assert (first.method, first.draws, first.seed) == ("Monte Carlo", DRAWS, 4)
     assert (second.hits, second.p) == ((0, 0, 0), 1)
     assert first == rates_differ(choices, group, seed=4)[0]
 
@@ -197,6 +199,8 @@ def test_three_groups_of_very_many_people() -> None:
     choices = rng.integers(0, 6, (60_000, 6))
     group = rng.choice(["a", "b", "c"], 60_000).tolist()
     choices[:, 0] = np.where((np.array(group) == "a") & (rng.random(60_000) < 0.05), 0, choices[:, 0])
-    p = [test.p for test in rates_differ(choices, group)]
+    tests = rates_differ(choices, group)
+    assert {(test.method, test.draws, test.seed) for test in tests} == {("chi-squared", 0, None)}
+    p = [test.p for test in tests]
     assert p[0] < 1e-6
     assert all(0 < other <= 1 for other in p[1:])

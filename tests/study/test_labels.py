@@ -48,6 +48,10 @@ def test_other_labels_take_over_the_words_for_them() -> None:
     assert [labels.find(word) for word in ("happy", "CALM", "none", "sad")] == ["Joy", "calm", "none", None]
 
 
+def test_the_six_emotions_are_written_as_everywhere() -> None:
+    assert Labels(["FEAR", " Anger ", "Joy", "Mild  fear"]).signalled == ("fear", "anger", "Joy", "Mild fear")
+
+
 def test_where_two_words_for_a_feeling_are_labels_neither_stands_for_a_third() -> None:
     labels = Labels(["joy", "happiness"])
     assert [labels.find(word) for word in ("joy", "happiness", "happy")] == ["joy", "happiness", None]
@@ -81,3 +85,8 @@ def test_labels_that_cannot_be_meant_are_refused(names, answers, message) -> Non
 
 def test_whole_numbers_lose_their_decimals() -> None:
     assert [number(text) for text in ("24.0000000000", " 3 ", "3.5", "x.0")] == ["24", "3", "3.5", "x.0"]
+
+
+def test_whole_numbers_lose_decimals_after_a_comma_but_not_their_thousands() -> None:
+    texts = ("24,0", "24,00", "1,0000000000", "1,000", "3,5", "1,000,000")
+    assert [number(text) for text in texts] == ["24", "24", "1", "1,000", "3,5", "1,000,000"]

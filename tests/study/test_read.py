@@ -1,9 +1,13 @@
+import pickle
 from pathlib import Path
 
+import pandas as pd
 import pytest
-from exports import CODES, COUNTS, EMOTIONS, KEY, own, psychopy
+import yaml
+from exports import CODES, COUNTS, EMOTIONS, EXPORTS, KEY, own, psychopy
 
 from emovid.errors import InputError
+from emovid.study.analyze import analyze
 from emovid.study.describe import describe_columns
 from emovid.study.errors import StudyError
 from emovid.study.read import read_responses
@@ -116,8 +120,24 @@ drop: {Geschlecht: [roboter, 7]}
         ["v", "k2m9", "happiness"],
     ]
     assert found.participants["gender"].tolist() == ["w", "m"]
-    assert found.dropped == {"Geschlecht = 7": 1}
+    assert found.dropped == {"Geschlecht = roboter": 0, "Geschlecht = 7": 1}
     assert reasons(found) == [(3, "Frage 1", "x", "no answer")]
+
+
+@pytest.mark.parametrize("value", ["007", "1.50", "TRUE", "no", "0x10", "2026-01-01"])
+def test_values_of_the_map_are_meant_as_they_are_written(read, value) -> None:
+    text = f"who,video,response\n{value},fear,fear\nb,fear,{value}\n"
+    found = read(text, mapping=f"participant: who\ndrop: {{who: [{value}]}}\nanswers: {{{value}: fear}}\n")
+    assert found.answers[["participant", "perceived"]].to_numpy().tolist() == [["b", "fear"]]
+    assert found.dropped == {f"who = {value}": 1}
+
+
+def test_whom_the_map_drops_in_vain_is_counted_as_nobody(read, refusal) -> None:
+    found = read(HEAD + "a,anger,angry,f\n", mapping="drop: {participant: [P07]}\n")
+    assert found.dropped == {"participant = P07": 0}
+    assert "participants left out: 0 participant = P07" in analyze(found)["warnings"]
+    message = refusal(HEAD + "a,anger,angry,f\n", mapping="drop: {participant: [b, A]}\n")
+    assert message == "x.csv: no participant is left (1 participant = A); expected answers"
 
 
 def test_a_participant_without_a_usable_answer_is_counted(read) -> None:
@@ -130,6 +150,59 @@ def test_formulas_in_cells_are_data(read) -> None:
     found = read(HEAD + '=1+1,anger,angry,"=HYPERLINK(""x"")"\nb,anger,=fear,m\n')
     assert found.participants["gender"].to_dict() == {"=1+1": '=HYPERLINK("x")', "b": "m"}
     assert found.answers["perceived"].tolist() == ["anger", "fear"]
+
+
+ORDERED = "participant,video,response,position\n"
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "places"),
+    [
+        (["1", "2"], ["2", "1"], [1, 2, 2, 1]),
+        (["0", "1"], ["1", "0"], [1, 2, 2, 1]),  # counted from 0
+        (["7", "12"], ["12", "7"], [1, 2, 2, 1]),  # trials, of which some show no video
+        (["999999999", "5"], ["5", "6"], [2, 1, 1, 2]),
+        (["1.0", "2.0"], ["'2,0'", "'1,0'"], [1, 2, 2, 1]),
+        (["3", "3"], ["1", "2"], [None, None, 1, 2]),  # of the first, the number of a list
+        (["A", "A"], ["B", "B"], [None, None, None, None]),
+        (["2", ""], ["1", "2"], [2, None, 1, 2]),
+    ],
+)
+def test_whatever_counts_the_answers_positions_are_places_from_1(read, first, second, places) -> None:
+    rows = [
+        f"{who},{video},fear,{place}\n".replace("'", '"')
+        for who, order in (("a", first), ("b", second))
+        for video, place in zip(("fear", "anger"), order, strict=True)
+    ]
+    found = read(ORDERED + "".join(rows)).answers["position"]
+    assert [None if place is pd.NA else place for place in found] == places
+
+
+def test_an_answer_that_is_sent_twice_leaves_the_positions_known(read) -> None:
+    found = read(ORDERED + "a,fear,fear,1\na,fear,sad,1\na,anger,anger,2\n")
+    assert found.answers["position"].tolist() == [1, 2]
+
+
+@pytest.mark.parametrize("cells", ["0,1\n1,0", "1,2\n2,1", "1.0,2.0\n2,1"])
+def test_positions_in_columns_may_count_from_0_and_have_decimals(read, cells) -> None:
+    first, second = cells.split("\n")
+    found = read(f"id,Anger,Fear,anger_position,fear_position\n1,anger,fear,{first}\n2,anger,fear,{second}\n")
+    assert found.answers["position"].tolist() == [1, 2, 2, 1]  # anger of both, then fear of both
+
+
+def test_decimal_commas_are_read_in_answers_groups_and_scores(read) -> None:
+    text = "ResponseId;Finished;RecordedDate;Progress;Q_RecaptchaScore;age;Anger;Fear\n"
+    rows = "1;True;2026;100,0;0,9;24,0;1,00;2,0\n2;True;2026;99,5;0,9;30;1;2\n3;True;2026;100;0,4;31;1;2\n"
+    found = read(text + rows, mapping="answers: {1: anger, 2: fear}\n")
+    assert found.participants["age"].to_dict() == {"1": "24"}
+    assert found.answers["perceived"].tolist() == ["anger", "fear"]
+    assert found.dropped == {"partial": 1, "bot": 1}
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
+def test_json_is_known_behind_a_byte_order_mark(read, encoding) -> None:
+    trials = '[{"trial_type": "x", "trial_index": 0, "subject": "a", "video": "fear", "response": "fear"}]'
+    assert read(trials.encode(encoding)).sources[0].dialect == "jsPsych"
 
 
 def test_rows_without_a_participant_column_are_a_participant_each(read, tmp_path) -> None:
@@ -172,7 +245,7 @@ def test_files_of_one_participant_each_add_up(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (b"", "x.csv: empty; expected a header and a row for each participant or answer"),
+        (b"", "x.csv: empty; expected a header and rows"),
         (HEAD, "x.csv:1: a header alone; expected a row for each participant or answer"),
         (HEAD + "a,b\n",
          "x.csv:1: ragged row: 2 cells where the header has 4; expected a row for each participant or answer"),
@@ -234,6 +307,9 @@ MAPS = [
      "expected participant, videos, answers, groups, drop, labels"),
     ("videos: 3\n", "map.yaml:1: videos: '3' given; expected column: code, or a list of codes"),
     ("videos: [[a]]\n", """map.yaml:1: videos.0: "['a']" given; expected a word""".replace('"', "'")),
+    ("videos:\n  video:\n", "map.yaml:2: videos.video: no code; expected that of the video"),
+    ("videos: [z8r4, '']\n", "map.yaml:1: videos.1: no code; expected that of the video"),
+    ("drop:\n  gender:\n", "map.yaml:2: drop.gender.0: nothing given; expected a word"),
     ("answers:\n  1: {a: b}\n", "map.yaml:2: answers.1: '{'a': 'b'}' given; expected a word"),
     ("labels: joy\n", "map.yaml:1: labels: 'joy' given; expected a list"),
     ("labels: [joy]\n", "map.yaml:1: labels: 1 given; expected 2 to 12"),
@@ -272,6 +348,64 @@ def test_a_group_that_changes_within_a_participant_is_none(refusal) -> None:
 def test_a_group_that_no_file_has_is_refused(refusal) -> None:
     message = refusal(HEAD + "a,anger,angry,f\n", groups=["gendre"])
     assert message == "--by: gendre: no file has this group (did you mean gender?); expected gender"
+
+
+def test_nobody_is_left_of_a_table_with_positions(refusal) -> None:
+    text = ORDERED.strip() + ",status\na,anger,angry,1,test\n"
+    assert refusal(text) == "x.csv: no participant is left (1 test run); expected answers"
+
+
+def test_psiturk_s_questions_alone_hold_no_answer(refusal) -> None:
+    assert refusal("w:A,gender,Female\nv:B,gender,Male\n") == "x.csv: no answer in it; expected some"
+
+
+def test_jspsych_s_answers_may_stand_in_a_column_of_their_own(read) -> None:
+    text = "trial_type,trial_index,subject,video,answer\nx,0,a,fear,sad\nx,1,a,anger,angry\n"
+    found = read(text)
+    assert found.sources[0].dialect == "jsPsych"
+    assert found.answers[["perceived", "position"]].to_numpy().tolist() == [["sadness", 1], ["anger", 2]]
+
+
+def test_otree_s_table_may_lack_the_columns_of_its_pages(read) -> None:
+    text = "participant.code,subsession.round_number,player.video,player.response\nab,2,fear,sad\nab,1,anger,angry\n"
+    found = read(text)
+    assert found.sources[0].dialect == "oTree"
+    assert found.answers[["perceived", "position"]].to_numpy().tolist() == [["sadness", 2], ["anger", 1]]
+
+
+def test_a_question_about_an_emotion_is_no_video_of_it(read) -> None:
+    found = read("id,Anger,fear of robots\n1,angry,4\n")
+    assert found.answers["signalled"].tolist() == ["anger"]
+    assert found.participants["fear of robots"].tolist() == ["4"]
+
+
+def test_an_error_is_the_same_after_another_process_raised_it() -> None:
+    error = StudyError("x.csv", "empty; expected rows", 3, "video")
+    again = pickle.loads(pickle.dumps(error))  # noqa: S301 - our own bytes
+    assert (str(again), again.file, again.row, again.cell) == (str(error), "x.csv", 3, "video")
+
+
+def test_a_folder_that_cannot_be_read_is_one_line(tmp_path, monkeypatch) -> None:
+    def refuse(*_):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "rglob", refuse)
+    with pytest.raises(StudyError) as error:
+        read_responses(tmp_path)
+    assert str(error.value) == f"{tmp_path}: cannot be read: permission denied"
+
+
+def test_a_column_of_the_map_that_several_columns_could_be(refusal, read) -> None:
+    text = "who,Which?,Which?,Say!\na,angry,sad,fear\n"
+    message = refusal(text, KEY, "videos: {'Which?': z8r4, 'Say!': k2m9}\n")
+    assert message == "x.csv:1: Which?: 2 columns have this name; expected one: list the codes in their order"
+    found = read(text, KEY, "videos: {SAY: k2m9}\n")  # however it is spelled
+    assert found.answers[["video", "perceived"]].to_numpy().tolist() == [["k2m9", "fear"]]
+
+
+def test_a_video_that_two_emotions_are_said_of_is_unknown(refusal) -> None:
+    text = "participant,video,true_emotion,response\n1,z8,anger,fear\n2,z8,fear,angry\n"
+    assert "'z8' unknown video; expected an emotion, or a key" in refusal(text)
 
 
 def test_files_that_are_not_there(tmp_path) -> None:
@@ -313,6 +447,38 @@ def test_columns_are_described_and_a_map_is_offered(tmp_path) -> None:
     (tmp_path / "map.yaml").write_text(edited.replace("traurig:", "traurig: sadness"))
     read = read_responses(file, mapping=tmp_path / "map.yaml")
     assert read.answers["perceived"].tolist() == ["anger", "sadness", "sadness", "fear"]
+
+
+@pytest.mark.parametrize("make", EXPORTS, ids=lambda make: make.__name__)
+def test_the_map_that_is_offered_for_a_readable_export_reads_it_alike(make, tmp_path) -> None:
+    export = make()
+    (tmp_path / "exports").mkdir()
+    for name, data in export.files.items():
+        (tmp_path / "exports" / name).write_bytes(data)
+    (tmp_path / "key.csv").write_text(KEY)
+    (tmp_path / "map.yaml").write_text(export.map or "labels:\n")
+    paths = (tmp_path / "exports", tmp_path / "key.csv", tmp_path / "map.yaml")
+    before, offered = read_responses(*paths), describe_columns(*paths).map_yaml
+    said = yaml.safe_load(offered) | {"answers": (yaml.safe_load(export.map or "{}") or {}).get("answers")}
+    paths[2].write_text(yaml.safe_dump(said, sort_keys=False))
+    after = read_responses(*paths)
+    assert after.answers.equals(before.answers)
+    assert after.participants.equals(before.participants)
+
+
+def test_what_differs_between_videos_is_no_group(read) -> None:
+    text = "id,gender,Anger,Fear,fear of robots,anger_position,fear_position,fear time\n1,f,angry,fear,4,1,2,3\n"
+    assert list(read(text).participants) == ["gender", "fear of robots"]
+    coded = "id,gender,z8r4,k2m9,z8r4_loops,Loops k2m9\n1,f,angry,fear,4,5\n"
+    assert list(read(coded, KEY).participants) == ["gender"]
+
+
+def test_paths_may_be_text(tmp_path) -> None:
+    (tmp_path / "own.csv").write_bytes(own().files["own.csv"])
+    (tmp_path / "key.csv").write_text(KEY)
+    (tmp_path / "map.yaml").write_text("labels:\n")
+    found = read_responses([f"{tmp_path}/own.csv"], f"{tmp_path}/key.csv", f"{tmp_path}/map.yaml")
+    assert found.counts().tolist() == COUNTS
 
 
 def test_what_a_readable_export_was_taken_as(tmp_path) -> None:

@@ -25,6 +25,13 @@ def test_wrong_answers_follow_the_bias() -> None:
     assert wrong["fear"] / wrong.sum() == pytest.approx(0.75, abs=0.04)
 
 
+def test_where_no_wrong_label_has_weight_all_are_alike() -> None:
+    model = responders(np.array([0.0, 0.4]), 3, bias=np.array([0, 1.0, 0]))
+    assert model.probabilities.T.tolist() == [[0, 1, 0], [pytest.approx(0.3), 0.4, pytest.approx(0.3)]]
+    none = responders(np.zeros(3), 3, bias=np.zeros(3))
+    assert none.probabilities.tolist() == [[0, 0.5, 0.5], [0.5, 0, 0.5], [0.5, 0.5, 0]]
+
+
 def test_who_eliminates_never_gives_a_label_twice() -> None:
     answers = table(responders(np.full(6, 0.3), 6, elimination=1.0), participants=200)
     assert (answers.groupby("participant")["response"].nunique() == 6).all()

@@ -41,6 +41,12 @@ def test_a_sep_line_wins_over_what_the_rows_look_like() -> None:
     assert table.lines.tolist() == [3]
 
 
+@pytest.mark.parametrize("first", ["SEP=;", '"sep=;"', "sep=;;;", "\ufeffsep=; "])
+def test_a_sep_line_is_known_however_a_spreadsheet_kept_it(first) -> None:
+    table = read_table(f"{first}\n1,5;b\n1,2;3\n".encode(), "f.csv")
+    assert (table.names, table.lines.tolist()) == (("1,5", "b"), [3])
+
+
 def test_lines_are_those_of_the_file() -> None:
     table = read_table(b'\na,b\n\n"1\n1",2\n3,4\n,\n5,6\n', "f.csv")
     assert table.cells.to_numpy().tolist() == [["1\n1", "2"], ["3", "4"], ["5", "6"]]
@@ -88,8 +94,8 @@ def test_a_quote_that_never_closes_costs_its_row_alone() -> None:
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        (b"", "f.csv: empty; expected a header and a row for each participant or answer"),
-        (b"\xef\xbb\xbf \n\n", "f.csv: empty; expected a header and a row for each participant or answer"),
+        (b"", "f.csv: empty; expected a header and rows"),
+        (b"\xef\xbb\xbf \n\n", "f.csv: empty; expected a header and rows"),
         (b"sep=;\n", "f.csv: empty but for delimiters; expected a header and rows"),
         (b',,\n"",\n', "f.csv: empty but for delimiters; expected a header and rows"),
         (b"PK\x03\x04rest", "f.csv: a spreadsheet or a zip archive; expected text: save or export it as CSV"),
@@ -100,6 +106,21 @@ def test_what_is_no_table_is_refused(data, message) -> None:
     with pytest.raises(StudyError) as error:
         read_table(data, "f.csv")
     assert str(error.value) == message
+
+
+def test_a_cell_of_several_lines_is_one_beside_quotes_that_do_not_pair() -> None:
+    table = read_table(b'a,b\n5" disk,x\n7,"1\n1"\n3,4\n', "f.csv")
+    assert table.cells.to_numpy().tolist() == [['5" disk', "x"], ["7", "1\n1"], ["3", "4"]]
+    assert table.lines.tolist() == [2, 3, 5]
+
+
+def test_more_columns_than_any_survey_has_are_refused() -> None:
+    with pytest.raises(StudyError, match=r"f.csv: 20001 columns; expected a table of at most 20000"):
+        read_table(b"a" + b",a" * 20_000 + b"\n", "f.csv")
+
+
+def test_a_row_that_opens_the_file_with_a_stray_quote_is_a_line() -> None:
+    assert cells(b'"a,b\n1,2\n3,4\n') == [['"a', "b"], ["1", "2"], ["3", "4"]]
 
 
 def test_a_header_alone_is_a_table_without_rows() -> None:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Collection, Sequence
 import pandas as pd
 
 from emovid.errors import nearest
-from emovid.study.dialects.raw import Column, Known
+from emovid.study.dialects.raw import Column, Known, numeric
 from emovid.study.errors import StudyError
 from emovid.study.labels import plain
 from emovid.study.tables import Table
@@ -62,7 +62,7 @@ def below(table: Table, bound: float, *names: str) -> Column:
     place = column(table, *names)
     if place is None:
         return pd.Series(False, index=table.cells.index)
-    return pd.to_numeric(table.cells[place], errors="coerce") < bound
+    return numeric(table.cells[place]) < bound
 
 
 def share(table: Table, place: int, test: Callable[[str], bool]) -> float:

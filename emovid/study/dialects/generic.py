@@ -6,8 +6,8 @@ import pandas as pd
 
 from emovid.study.dialects.columns import POSITION, TRUTH, answer_column, column, holds_answers, says, video_column
 from emovid.study.dialects.people import PARTICIPANT, groups_of, who, without
-from emovid.study.dialects.raw import Column, Known, Raw, answers_long, answers_wide
-from emovid.study.dialects.videos import no_videos, positions, video_columns
+from emovid.study.dialects.raw import ANSWER_TO, Column, Known, Raw, answers_long, answers_wide
+from emovid.study.dialects.videos import about_videos, no_videos, positions, video_columns
 from emovid.study.errors import StudyError
 from emovid.study.key import code_of
 from emovid.study.labels import plain
@@ -50,7 +50,7 @@ def read_long(table: Table, known: Known, skip: Sequence[str] = ()) -> Raw:
         people.dropped,
         {table.names[i]: role for i, role in roles.items() if i is not None},
         people.place is None,
-        {} if known.codes else _stated_codes(table, known, video),
+        {} if known.codes else stated_codes(table, known, video),
     )
 
 
@@ -72,10 +72,11 @@ def read_wide(
     videos = video_columns(table, known, [people.place, *tools])
     if not videos:
         raise StudyError(table.file, no_videos(table, known) or "no column holds answers; expected some", 1)
-    roles = {place: f"answer to {code}" for place, code in videos.items()} | {people.place: "participant"}
+    used = {*tools, *about_videos(table, known)}
+    roles = {place: f"{ANSWER_TO}{code}" for place, code in videos.items()} | {people.place: "participant"}
     return Raw(
         answers_wide(table, people.ids, videos, positions(table, known)),
-        groups_of(table, known, people.ids, {*roles, *tools}),
+        groups_of(table, known, people.ids, {*roles, *used}),
         table.rejected,
         people.dropped,
         {table.names[i]: role for i, role in roles.items() if i is not None},
@@ -98,12 +99,13 @@ def is_mapped_wide(known: Known) -> bool:
     return bool(known.mapping.videos or known.mapping.in_order)
 
 
-def _stated_codes(table: Table, known: Known, video: int) -> dict[str, str]:
-    """Return the emotion of each video from a column such as `true_emotion`, if each has one."""
+def stated_codes(table: Table, known: Known, video: int) -> dict[str, str]:
+    """Return the emotion of each video from a column such as `true_emotion`; none where a video has two or no label."""
     place = column(table, *TRUTH)
     if place is None or not holds_answers(table, place, known):
         return {}
     pairs = pd.DataFrame({"video": table.cells[video], "truth": table.cells[place]}).drop_duplicates()
+    pairs = pairs[pairs["truth"] != ""]  # rows that show no video
     codes: dict[str, str] = {}
     for code, truth in zip(pairs["video"].map(code_of), pairs["truth"].map(known.labels.find), strict=True):
         if not truth or codes.setdefault(code, truth) != truth:

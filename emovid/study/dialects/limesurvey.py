@@ -36,7 +36,7 @@ def read(table: Table, known: Known) -> Raw:
     place = column(table, *_TOOL[1])
     assert place is not None  # it was recognised by it
     skip = [name for either in _TOOL for name in either]
-    skip += [name for name in table.names if re.search(r"time\W*$|^question time|^group time", name.casefold())]
+    skip += [name for name in table.names if re.search(r"time\W*$|^(question|group) ?time", name.casefold())]
     return read_wide(table, known, *_TOOL[0], reasons={"partial": table.cells[place] == ""}, skip=skip)
 
 

@@ -9,7 +9,7 @@ import pandas as pd
 from emovid.study.dialects.columns import below, column, says, video_column
 from emovid.study.dialects.generic import read_wide
 from emovid.study.dialects.people import groups_of, joined, who
-from emovid.study.dialects.raw import Column, Known, Raw
+from emovid.study.dialects.raw import Column, Known, Raw, numeric
 from emovid.study.dialects.trials import read_trials
 from emovid.study.dialects.videos import video_columns
 from emovid.study.tables import Table
@@ -57,7 +57,7 @@ def _reasons(table: Table) -> dict[str, Column]:
         "partial": below(table, 1, "participant.visited"),
     }
     if reached is not None and last is not None:
-        pages = [pd.to_numeric(table.cells[place], errors="coerce") for place in (reached, last)]
+        pages = [numeric(table.cells[place]) for place in (reached, last)]
         reasons["partial"] |= pages[0] < pages[1]
     return reasons
 

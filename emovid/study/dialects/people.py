@@ -41,7 +41,7 @@ _PRIVATE_WORDS = (
     "plays choices confidence valence arousal"
 )
 _TRAITS, _PRIVATE = frozenset(_TRAIT_WORDS.split()), frozenset(_PRIVATE_WORDS.split())
-_MOST_LEVELS = 12
+MOST_LEVELS = 12  # of a group
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,14 +85,15 @@ def without(table: Table, known: Known, people: People, reasons: Mapping[str, Co
 
     Args:
         table: the file.
-        known: whose map may drop the values of columns.
+        known: whose map may drop the values of columns; those that nobody has are counted, too, lest one be misspelled.
         people: of its rows.
         reasons: rows (True) whose participants go, by reason; a participant is counted under the first.
 
     Returns:
         the table and the people without them.
     """
-    masks = {reason: np.asarray(mask, dtype=bool) for reason, mask in reasons.items()} | _dropped_by_map(table, known)
+    said = _dropped_by_map(table, known)
+    masks = {reason: np.asarray(mask, dtype=bool) for reason, mask in reasons.items()} | said
     codes, names = pd.factorize(people.ids)
     out = np.zeros(len(names), dtype=bool)
     dropped = dict(people.dropped)
@@ -100,11 +101,9 @@ def without(table: Table, known: Known, people: People, reasons: Mapping[str, Co
         hit = np.zeros(len(names), dtype=bool)
         hit[codes[mask]] = True
         count = int((hit & ~out).sum())
-        if count:
+        if count or reason in said:
             dropped[reason] = dropped.get(reason, 0) + count
         out |= hit
-    if not out.any():
-        return table, people
     kept = ~out[codes]
     return table.rows(kept), People(people.ids[kept].reset_index(drop=True), people.place, dropped)
 
@@ -149,10 +148,9 @@ def _dropped_by_map(table: Table, known: Known) -> dict[str, NDArray[np.bool_]]:
     for title, values in known.mapping.drop.items():
         place = column(table, title)
         if place is not None:
-            wanted = {number(value).casefold() for value in values}
             cells = table.cells[place]
-            hits = {word for word in cells.unique() if number(str(word)).casefold() in wanted}
-            masks |= {f"{title} = {word}": (cells == word).to_numpy(dtype=bool) for word in sorted(hits)}
+            spelled = cells.map(lambda cell: number(cell).casefold())
+            masks |= {f"{title} = {value}": (spelled == number(value).casefold()).to_numpy() for value in values}
     return masks
 
 
@@ -185,7 +183,7 @@ def _is_group(table: Table, place: int, codes: NDArray[np.intp]) -> bool:
     levels = cells[cells != ""].nunique()
     if not levels or title & _PRIVATE or not table.names[place]:
         return False
-    return bool(levels <= _MOST_LEVELS or title & _TRAITS) and _is_constant(codes, cells)
+    return bool(levels <= MOST_LEVELS or title & _TRAITS) and _is_constant(codes, cells)
 
 
 def _is_constant(codes: NDArray[np.intp], cells: Column) -> bool:

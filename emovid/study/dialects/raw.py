@@ -1,19 +1,22 @@
 """What every dialect is given besides its table, and what it returns: answers as they stand in the file."""
 
+import re
 from collections.abc import Mapping as Map
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from emovid.study.key import code_of
-from emovid.study.labels import NONE, Labels, plain
+from emovid.study.labels import NONE, Labels, number, plain
 from emovid.study.mapping import Mapping
 from emovid.study.responses import Rejected
 from emovid.study.tables import Table
 
 Column: TypeAlias = pd.Series  # of text
+ANSWER_TO = "answer to "  # the role of a video's column, before its code
 _ABOUT_VIDEOS = {"video", "clip", "stimulus", "movie", "swarm", "condition"}
 
 
@@ -86,17 +89,31 @@ def answers_wide(table: Table, ids: Column, videos: Map[int, str], positions: Ma
 
 
 def answers_long(table: Table, ids: Column, video: int, answer: int, position: Column | None = None) -> pd.DataFrame:
-    """Return the answers of a table with a row for each; `position` is text."""
+    """Return the answers of a table with a row for each; `position` is text that counts them, from any number on."""
     return pd.DataFrame(
         {
             "participant": ids,
             "video": table.cells[video],
             "answer": table.cells[answer],
-            "position": whole_numbers(position) if position is not None else pd.NA,
+            "position": pd.NA if position is None else _places(ids, table.cells[video], whole_numbers(position)),
             "line": table.lines,
             "cell": table.names[answer],
         }
     ).astype({"position": "Int64"})
+
+
+def _places(ids: Column, videos: Column, numbers: Column) -> Column:
+    """Return the places (Int64, from 1) of videos in each participant's order, from what numbers the rows.
+
+    Numbers that are no places are ranked: counts from 0, and of trials of which only some show a video. Who has one
+    number at several videos (that of an order, say) has no known places.
+    """
+    rows = pd.DataFrame({"person": ids.to_numpy(), "video": videos.to_numpy(), "number": numbers.to_numpy()})
+    numbered = rows.dropna().drop_duplicates(["person", "video"])
+    repeated = numbered.loc[numbered.duplicated(["person", "number"]), "person"].unique()
+    known = numbers.mask(rows["person"].isin(repeated).to_numpy(), pd.NA)
+    is_places = known.dropna().between(1, rows["video"].nunique()).all()
+    return known if is_places else _ranked(ids, known.astype("Float64").to_numpy(dtype=float, na_value=np.nan))
 
 
 def no_answers() -> pd.DataFrame:
@@ -107,18 +124,35 @@ def no_answers() -> pd.DataFrame:
 
 
 def whole_numbers(column: Column) -> Column:
-    """Return the positive whole numbers (Int64) that text begins with, missing where it begins otherwise."""
+    """Return the whole numbers (Int64) that text begins with, missing where it begins otherwise."""
     codes, words = pd.factorize(column)
-    starts = pd.Series(words, dtype="str").str.extract(r"^(\d{1,9})(?![^_.\s])", expand=False).str.replace("_", "")
+    plain_words = pd.Series([number(str(word)) for word in words], dtype="str")
+    starts = plain_words.str.extract(r"^(\d{1,9})(?![^_.\s])", expand=False)
     values = pd.array([int(word) if isinstance(word, str) else pd.NA for word in starts], dtype="Int64")
-    if not len(values):
-        return pd.Series(pd.NA, index=column.index, dtype="Int64")
     return pd.Series(values.take(codes), index=column.index)
 
 
 def ranks(ids: Column, order: Column) -> Column:
     """Return the place (Int64, from 1) of each row among its participant's, by `order`: numbers, or times as text."""
-    numbers = pd.Series(np.asarray(pd.to_numeric(order, errors="coerce"), dtype=float), index=order.index)
-    if numbers.isna().all():
-        numbers = pd.Series(pd.factorize(order, sort=True)[0], index=order.index)
-    return numbers.groupby(ids.to_numpy()).rank(method="first").astype("Int64")
+    values = numeric(order).to_numpy(dtype=float)
+    if np.isnan(values[order != ""]).any():  # digits within text, such as a block's 9_0 and 10_0, count as numbers
+        codes, words = pd.factorize(order)
+        keys = [_by_numbers(str(word)) for word in words]
+        values = np.argsort(sorted(range(len(keys)), key=keys.__getitem__))[codes].astype(float)
+        values[order == ""] = np.nan
+    return _ranked(ids, values)
+
+
+def _by_numbers(text: str) -> list[str | tuple[int, str]]:
+    """Return a key that sorts text as people do: the numbers in it by size, however long they are."""
+    parts = re.split(r"0*(\d+)", text)
+    return [(len(part), part) if i % 2 else part for i, part in enumerate(parts)]
+
+
+def _ranked(ids: Column, values: NDArray[np.float64]) -> Column:
+    return pd.Series(values, index=ids.index).groupby(ids.to_numpy()).rank(method="first").astype("Int64")
+
+
+def numeric(column: Column) -> Column:
+    """Return the numbers (float) in cells, with decimal points or commas, NaN where there is none."""
+    return pd.to_numeric(column.str.replace(",", "."), errors="coerce").astype(float)

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from emovid.study.dialects.columns import says
+from emovid.study.dialects.generic import stated_codes
 from emovid.study.dialects.people import groups_of_pairs, joined
 from emovid.study.dialects.raw import Column, Known, Raw
 from emovid.study.dialects.trials import read_trials
@@ -18,6 +19,8 @@ def recognises(table: Table, _: Known) -> bool:
 
 def read(table: Table, known: Known) -> Raw:
     """Read the responses to a video; those to other trials are groups. Unfinished and rejected runs are left out."""
+    stated = {} if known.codes else stated_codes(table, known, table.names.index("trialId"))
+    known = replace(known, codes=known.codes or stated)
     reasons = {"rejected": says(table, ("rejected",), "status"), "partial": says(table, _UNFINISHED, "status")}
     raw = read_trials(
         table,
@@ -30,7 +33,8 @@ def read(table: Table, known: Known) -> Raw:
         reasons,
         _TOOL.__contains__,
     )
-    return replace(raw, participants=joined(raw.participants, groups_of_pairs(_asked(table, known))))
+    groups = joined(raw.participants, groups_of_pairs(_asked(table, known)))
+    return replace(raw, participants=groups, codes=stated)
 
 
 _UNFINISHED = ("in progress", "inprogress", "incomplete", "partial")

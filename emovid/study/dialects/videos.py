@@ -7,7 +7,7 @@ from emovid.study.dialects.columns import holds_answers, named, share
 from emovid.study.dialects.raw import Column, Known, whole_numbers
 from emovid.study.errors import StudyError, quoted
 from emovid.study.key import code_of
-from emovid.study.labels import plain
+from emovid.study.labels import number, plain
 from emovid.study.tables import Table
 
 # Words of columns that stand beside an answer and are none.
@@ -42,9 +42,21 @@ def positions(table: Table, known: Known) -> dict[str, Column]:
     found: dict[str, Column] = {}
     for place, name in enumerate(table.names):
         code = _code_in_header(table, place, known)
-        if code and _PLACE.search(plain(name)) and share(table, place, str.isdigit) == 1:
+        if code and _PLACE.search(plain(name)) and share(table, place, lambda cell: number(cell).isdecimal()) == 1:
             found[code] = whole_numbers(table.cells[place])
-    return found
+    from_zero = int(any((column == 0).any() for column in found.values()))
+    return {code: column + from_zero for code, column in found.items()}
+
+
+def about_videos(table: Table, known: Known) -> set[int]:
+    """Return the places of columns that say something of a video, such as `z8r4_position`, and nothing of a person.
+
+    A code in its header tells; the name of an emotion alone does not, as in "fear of robots".
+    """
+    coded = {place: bool(_code_in_header(table, place, known)) for place in range(len(table.names))}
+    return {
+        place for place, is_coded in coded.items() if is_coded and (known.codes or _stands_beside(table, place, known))
+    }
 
 
 def code_in(text: str, known: Known) -> str:
