@@ -1,6 +1,5 @@
 import csv
 import io
-import time
 
 import pytest
 from hypothesis import given
@@ -140,15 +139,11 @@ def test_what_the_csv_module_writes_is_what_is_read(rows) -> None:
 
 
 @pytest.mark.parametrize("stray", ["", '"x"y,1,2\n'])
-def test_a_hundred_thousand_rows_take_no_time(stray) -> None:
+def test_a_hundred_thousand_rows_are_read(stray) -> None:
     data = ("a,b,c\n" + "one,two,three\n" * 100_000 + stray).encode()
-    start = time.perf_counter()
     assert len(read_table(data, "f.csv").lines) == 100_000 + bool(stray)
-    assert time.perf_counter() - start < 5
 
 
-def test_stray_quotes_in_every_row_do_not_make_it_quadratic() -> None:
-    data = b"a,b\n" + b'"x,"y\n' * 30_000
-    start = time.perf_counter()
-    read_table(data, "f.csv")
-    assert time.perf_counter() - start < 5
+def test_a_stray_quote_in_every_row_is_no_reason_to_read_on_and_on() -> None:
+    table = read_table(b"a,b\n" + b'"x,"y\n' * 30_000, "f.csv")  # hours, if each looked for its end
+    assert table.cells.to_numpy().tolist() == 30_000 * [['"x', '"y']]

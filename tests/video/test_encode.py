@@ -94,10 +94,8 @@ def test_a_failing_ffmpeg_leaves_the_old_file(tmp_path, use_ffmpeg, script, mess
 def test_an_ffmpeg_that_hangs_is_killed(tmp_path, use_ffmpeg, monkeypatch, count) -> None:
     monkeypatch.setattr(encode, "_GRACE", 0.3)
     use_ffmpeg("exec sleep 1000 < /dev/null" if count == 0 else "exec sleep 1000")
-    started = time.monotonic()
     with pytest.raises(RenderError, match="hangs: it did nothing for"):
         write_video(count * [Yuv420(*SIZE).planes], count, encoder_arguments(*SIZE, 10), tmp_path / "x.mp4")
-    assert time.monotonic() - started < 30
     assert left(tmp_path) == []
 
 
