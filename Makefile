@@ -13,7 +13,7 @@ robotarium-videos: .venv/installed
 	$(BIN)/emovid render --all --platform robotarium --view perspective --jobs $(JOBS) -o videos/robotarium/perspective
 
 figures: .venv/installed
-	$(BIN)/emovid figures all gallery -o figures --format pdf --format png
+	$(BIN)/emovid figures all gallery -o figures
 
 gallery: .venv/installed
 	$(BIN)/emovid figures gallery -o figures

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from emovid.errors import EmovidError, InputError
     from emovid.measure.describe import describe
     from emovid.scene.load import load_scene
     from emovid.study.analyze import analyze
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
     from emovid.video.render import render_video
 
 __all__ = [
+    "EmovidError",
+    "InputError",
     "analyze",
     "describe",
     "load_scene",
@@ -24,6 +27,8 @@ __all__ = [
 ]
 
 _HOMES = {
+    "EmovidError": "emovid.errors",
+    "InputError": "emovid.errors",
     "analyze": "emovid.study.analyze",
     "describe": "emovid.measure.describe",
     "load_scene": "emovid.scene.load",

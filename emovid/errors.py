@@ -4,11 +4,15 @@ Every error a user can cause is an `EmovidError`. Its text is the whole message,
 command line returns. They are caught once, in `emovid.cli.main`.
 """
 
+import re
 import sys
 import warnings
 from collections.abc import Iterable
 from difflib import get_close_matches
 from typing import TextIO
+
+_MISSING_GLYPH = re.compile(r"Glyph (\d+) .* missing from font\(s\) (.*?)\.?$")  # matplotlib's, of each, each time
+_fonts_told: set[str] = set()
 
 
 class EmovidError(Exception):
@@ -47,7 +51,7 @@ def nearest(word: str, known: Iterable[str]) -> str:
 
 
 def say_warnings_in_one_line() -> None:
-    """From now on, have warnings of this process said on stderr as errors are."""
+    """From now on, have warnings of this process said on stderr as errors are; once for all glyphs of a font."""
     warnings.showwarning = _show_warning
 
 
@@ -59,4 +63,11 @@ def _show_warning(
     file: TextIO | None = None,
     line: str | None = None,  # noqa: ARG001
 ) -> None:
-    print(f"warning: {message}", file=file or sys.stderr)
+    text = str(message)
+    if glyph := _MISSING_GLYPH.match(text):
+        code, font = glyph.groups()
+        if font in _fonts_told:
+            return
+        _fonts_told.add(font)
+        text = f"{font}, the font of figures, lacks {chr(int(code))} and maybe others: they are drawn as boxes"
+    print(f"warning: {text}", file=file or sys.stderr)

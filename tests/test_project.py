@@ -127,8 +127,14 @@ def test_an_installed_wheel_works_in_an_empty_folder(venv, tmp_path) -> None:
     emovid("scene", "new", "my.yaml")
     emovid("preview", "my.yaml", "--set", "duration=1")
     emovid("figures", "accuracy-gender", "--format", "svg")
+    emovid("study", "new", "my-study")
+    study = tmp_path / "my-study" / "study.yaml"
+    text = study.read_text().replace("1280x720", "96x64").replace("fps: 30", "fps: 5")
+    study.write_text(text.replace("duration: 15", "duration: 1"))
+    emovid("study", "build", "my-study", "-o", "kit")
+    emovid("study", "audit", "kit")
     made = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.*")}
-    assert len([name for name in made if name.endswith(".mp4")]) == 6
+    assert len([name for name in made if name.endswith(".mp4")]) == 6 + 6
     assert {"my.yaml", "previews/my.gif", "figures/accuracy-gender.svg"} <= made
 
 
@@ -136,6 +142,7 @@ def test_a_wheel_carries_the_scenes_and_the_types_and_no_tests(wheel) -> None:
     with zipfile.ZipFile(wheel) as archive:
         files = set(archive.namelist())
     assert {"emovid/configs/anger.yaml", "emovid/py.typed", "emovid/cli/main.py"} <= files
+    assert {f"emovid/studies/{name}" for name in ("example/study.yaml", "santos-egerstedt/responses.csv")} <= files
     assert {"emovid/configs/robots/gritsbot.yaml", "emovid/platforms/robotarium_script.py.in"} <= files
     assert {f"emovid/survey/{name}" for name in ("schema.sql", "static/survey.js", "templates/video.html")} <= files
     assert not [name for name in files if name.startswith(("tests", "configs"))]

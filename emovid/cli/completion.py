@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 Complete = Callable[[str], list[str]]
-_VIDEOS = (".mp4", ".webm", ".gif")
+VIDEOS = (".mp4", ".webm", ".gif")
 
 
 def words(*known: str) -> Complete:
@@ -37,6 +37,14 @@ def runs(incomplete: str) -> list[str]:
     return scenes(incomplete) + files(incomplete, ".npz")
 
 
+def descriptors(incomplete: str) -> list[str]:
+    """Return the descriptors that start so, after those that are typed already."""
+    from emovid.measure.describe import DESCRIPTORS
+
+    before, comma, last = incomplete.rpartition(",")
+    return [f"{before}{comma}{name}" for name in _starting(last, DESCRIPTORS)]
+
+
 def figure_names(incomplete: str) -> list[str]:
     """Return the names of figures that start so, and after them what `frames` and `contact-sheet` may be given."""
     from emovid.figures.catalogue import CATALOGUE
@@ -44,7 +52,7 @@ def figure_names(incomplete: str) -> list[str]:
     return (
         _starting(incomplete, ("all", "frames", "contact-sheet", "gallery", *CATALOGUE))
         + runs(incomplete)
-        + files(incomplete, *_VIDEOS)
+        + files(incomplete, *VIDEOS)
     )
 
 

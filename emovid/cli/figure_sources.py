@@ -13,12 +13,14 @@ if TYPE_CHECKING:
 def study_results(source: Path | None) -> Any:
     """Return the results of a study: those in a file or folder, or an analysis of the reference study."""
     from emovid.figures.study import recognition_of
+    from emovid.scene.shipped import STUDIES
     from emovid.study.analyze import analyze, analyze_counts
     from emovid.study.matrix import read_results
     from emovid.study.read import read_responses
 
     if source is None:
-        return analyze(read_responses([_reference_study()]), ["gender", "robotics_background"])
+        reference = STUDIES / "santos-egerstedt" / "responses.csv"
+        return analyze(read_responses([reference]), ["gender", "robotics_background"])
     counts, labels, signalled = read_results(source)  # says what is wrong with it
     file = source / "results.json" if source.is_dir() else source
     if file.suffix.lower() != ".json":
@@ -31,15 +33,6 @@ def study_results(source: Path | None) -> Any:
     except (AttributeError, LookupError, TypeError, ValueError):
         raise InputError(f"{file}: no results; expected the results.json of emovid study analyze") from None
     return results
-
-
-def _reference_study() -> Path:
-    """Return the responses of the reference study."""
-    import emovid
-
-    room = Path(emovid.__file__).parent
-    folder = room if (room / "studies").is_dir() else room.parent  # a checkout keeps them on top
-    return folder / "studies" / "santos-egerstedt" / "responses.csv"
 
 
 def measures_of(material: "Material") -> dict[str, dict[str, float]]:

@@ -168,10 +168,17 @@ def _asked(names: list[str], catalogue: "Mapping[str, Entry]") -> "list[Entry]":
         raise InputError(f"expected names of figures, {EVERY}, {GALLERY}, or --list to see them")
     for name in names:
         if name not in (*catalogue, EVERY, GALLERY):
-            close = nearest(name, [*catalogue, EVERY, GALLERY, *OF_ANY])
+            close = _of_file(name) or nearest(name, [*catalogue, EVERY, GALLERY, *OF_ANY])
             raise InputError(f"{name}: no such figure{close}; --list shows them")
     chosen = catalogue if EVERY in names else dict.fromkeys(name for name in names if name != GALLERY)
     return [catalogue[name] for name in chosen]
+
+
+def _of_file(name: str) -> str:
+    """Return which figure of any scene or video is meant by the name of a file; nothing for another name."""
+    suffix = Path(name).suffix.lower()
+    kind = FRAMES if suffix in (".yaml", ".yml", ".npz") else CONTACT if suffix in completion.VIDEOS else ""
+    return kind and f" (did you mean {kind} {name}?)"
 
 
 def _check_formats(formats: Sequence[str]) -> None:

@@ -1,4 +1,4 @@
-"""`emovid study build`, `audit` and `export`: a blinded kit of stimuli, and what labs need of it."""
+"""`emovid study new`, `build`, `audit` and `export`: a blinded kit of stimuli, and what labs need of it."""
 
 import json
 import sys
@@ -23,6 +23,31 @@ Responses = Annotated[
 ]
 
 
+def new(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="The folder of the study, made if missing.")],
+    quiet: Quiet = False,
+) -> None:
+    """Start a new study: a study.yaml of the paper's procedure, every key explained, to make your own.
+
+    Example: emovid study new my-study/
+    """
+    from emovid.kit.load import NAME
+    from emovid.scene.shipped import STUDIES, read_text
+    from emovid.whole_files import make_folder, writing
+
+    file = folder / NAME
+    if folder.suffix.lower() in (".yaml", ".yml") or (folder.exists() and not folder.is_dir()):
+        raise InputError(f"{folder}: expected a folder, to write {NAME} into")
+    if file.exists():
+        raise InputError(f"{file}: exists; expected another folder")
+    text = read_text(STUDIES / "example" / NAME, "study")
+    make_folder(folder)
+    with writing(file) as target:
+        target.write(text.encode())
+    if not quiet:
+        typer.echo(f"{file}: the paper's study; make it yours, then emovid study build {folder} -o kit/", err=True)
+
+
 def build(
     study: Annotated[Path, typer.Argument(metavar="STUDY", help="A study.yaml, or the folder that holds one.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="The folder of the kit, made if missing.")] = Path(
@@ -40,7 +65,7 @@ def build(
 ) -> None:
     """Make a kit: stimuli under random codes, orders, the key. What is there of the same study and seed is kept.
 
-    Examples: emovid study build studies/example -o kit/ · emovid study build my_study/ -o kit/ --participants 60
+    Examples: emovid study build my-study/ -o kit/ · emovid study build my-study/ -o kit/ --participants 60
     """
     from emovid.kit.build import build as make
     from emovid.kit.load import load_study
@@ -91,22 +116,22 @@ def audit(
         typer.Option("--key", help="A published key, its salt.txt beside it.", show_default="the private one"),
     ] = None,
     responses: Responses = None,
+    unblind: Annotated[
+        bool, typer.Option("--unblind", help="Say emotions, too, and the bit rates that could tell them.")
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Look for whatever could tell a participant the emotion; exit with 1 and a line for each finding.
 
     Examples: emovid study audit kit/ · emovid study audit kit/ --responses answers.csv
     """
-    from dataclasses import asdict
-
     from emovid.kit.audit import audit as run
 
     found = run(kit, key, responses or [])
     if as_json:
-        facts = asdict(found) | {"findings": [finding._asdict() for finding in found.findings]}
-        typer.echo(json.dumps(facts, indent=2))
+        typer.echo(json.dumps(found.facts(unblind=unblind), indent=2))
     else:
-        _show(found)
+        _show(found, unblind)
     if found.findings:
         raise typer.Exit(1)
 
@@ -156,24 +181,30 @@ def _first(written: list[Path]) -> str:
     return "README.md" if "README.md" in names else names[0]
 
 
-def _show(found: "Audit") -> None:
-    """Print the findings, what was checked, the sizes and the balance."""
+def _show(found: "Audit", unblind: bool) -> None:
+    """Print the findings, what was checked, the sizes and the balance; what tells emotions only to `unblind`."""
     from rich import box
     from rich.console import Console
     from rich.table import Table
 
+    from emovid.cli.tables import show_table
+
     console = Console(highlight=False, markup=False)
     for finding in found.findings:
-        console.print(str(finding), soft_wrap=True)
+        console.print(finding.unblinded if unblind else str(finding), soft_wrap=True)
     checks = Table("check", "findings", box=box.SIMPLE)
     for name, count in found.checks.items():
         checks.add_row(name, str(count or "none"))
-    sizes = Table("emotion", "code", "bytes", "of them needed", "kbit/s", box=box.SIMPLE)
-    for row in found.sizes:
-        cells = (row["emotion"], row["video_code"], row["bytes"], row["content_bytes"], row["kbit_per_s"])
-        sizes.add_row(*map(str, cells))
-    console.print(checks, sizes)
-    console.print("Files are made equally long; the bit rate inside follows the motion, and cannot be hidden.")
+    show_table(checks)
+    if unblind:
+        sizes = Table("emotion", "code", "bytes", "of them needed", "kbit/s", box=box.SIMPLE)
+        for row in found.sizes:
+            cells = (row["emotion"], row["video_code"], row["bytes"], row["content_bytes"], row["kbit_per_s"])
+            sizes.add_row(*map(str, cells))
+        show_table(sizes, heads=2)
+    where = "" if unblind else ": --unblind lists it"
+    equal = f"Files are made equally long; the bit rate inside follows the motion, and cannot be hidden{where}."
+    console.print(equal, soft_wrap=True)
     if found.orders:
         console.print(_balance("Orders", found.orders), soft_wrap=True)
     if found.left:

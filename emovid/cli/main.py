@@ -5,6 +5,7 @@ import gc
 import os
 import signal
 import sys
+from io import TextIOWrapper
 from typing import Annotated, NoReturn
 
 import typer
@@ -69,6 +70,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return its exit code: 0, 1 for a failure, 2 for bad input, 130 or 143 for a signal."""
     try:
         # Without standalone mode Typer returns the code of an Exit, 130 for a Ctrl-C, and raises what a user did wrong.
+        # It ends the program itself, with 1, where whoever reads our output has had enough, as `head` does.
         code = int(app(arguments, prog_name="emovid", standalone_mode=False) or 0)
         return _say("interrupted: run again to make what is missing", code) if code == 130 else code
     except EmovidError as error:
@@ -77,9 +79,6 @@ def main(arguments: list[str] | None = None) -> int:
         return _say(error.format_message(), error.exit_code)
     except MemoryError:
         return _say("not enough memory: fewer robots, a longer control_period or a shorter duration need less", 1)
-    except BrokenPipeError:  # whoever read our output has had enough, as `head` does
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
     except OSError as error:  # that no command has foreseen, such as a name longer than the system takes
         from emovid.whole_files import reason
 
@@ -99,6 +98,8 @@ def _on_sigterm(*_: object) -> NoReturn:
 def run() -> NoReturn:
     """Run as a program, which a SIGTERM ends like a Ctrl-C: what is under way is undone."""
     signal.signal(signal.SIGTERM, _on_sigterm)
+    if isinstance(sys.stdout, TextIOWrapper):  # as stderr: signs that the encoding lacks, names that are no Unicode
+        sys.stdout.reconfigure(errors="backslashreplace")
     say_warnings_in_one_line()
     # Commands are short. Threads that wait to help with larger matrices than ours would cost each 0.2 s; looking for
     # garbage, 0.05 s during imports and 0.1 s at the end, when all that is left goes anyway.

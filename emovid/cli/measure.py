@@ -12,13 +12,15 @@ import typer
 
 from emovid.cli import completion
 from emovid.cli.options import Json, Platform, Quiet, Seed, Set, is_run, on_platform, settings
-from emovid.errors import InputError
+from emovid.errors import InputError, nearest
 
 if TYPE_CHECKING:
     from emovid.measure.claims import Verdict
     from emovid.scene.load import Setting
     from emovid.scene.model import Scene
     from emovid.swarm.trajectory import Trajectory
+
+_WIDEST = 16  # characters of a scene's name in a line of the table's head
 
 
 def measure(
@@ -35,6 +37,14 @@ def measure(
     gate: Annotated[
         bool, typer.Option("--gate", help="Hold the paper's claims against all six; exit with 1 where one fails.")
     ] = False,
+    only: Annotated[
+        str | None,
+        typer.Option(
+            help="Descriptors, or how names begin, with commas between, as in cusps,cost.",
+            show_default="all",
+            autocompletion=completion.descriptors,
+        ),
+    ] = None,
     platform: Platform = None,
     assignments: Set = None,
     seed: Seed = None,
@@ -46,11 +56,11 @@ def measure(
 ) -> None:
     """Measure how scenes move: speed, angularity, size, crowding, and whether that is what the paper claims.
 
-    Examples: emovid measure --all --gate · emovid measure my.yaml fear -o measure.csv · emovid measure fear.npz --json
+    Examples: emovid measure --all --gate · emovid measure my.yaml fear -o measure.csv
+    · emovid measure fear.npz --only cusps,cost
     """
     from emovid.cli.progress import listing
     from emovid.measure.claims import excepted, judge
-    from emovid.measure.describe import DESCRIPTORS
     from emovid.measure.evidence import evidence
     from emovid.scene.emotions import EMOTIONS
 
@@ -59,6 +69,7 @@ def measure(
         raise InputError("expected scenes to measure, or --all")
     if output and (output.suffix.lower() != ".csv" or output.is_dir()):
         raise InputError(f"-o {output}: expected a file ending in .csv")
+    shown = _chosen(only)
     named = list(EMOTIONS) if every else list(dict.fromkeys(sources or []))
     chosen = [on_platform(source, platform) for source in named]
     runs = [_run_of(source, settings(assignments, seed)) for source in chosen]
@@ -74,7 +85,7 @@ def measure(
     motors = all(run.scene.robot.limits for run in runs)
     verdicts = judge({name: of_emotion[name] for name in EMOTIONS}, motors=motors) if gate else []
     without_anger = excepted(motors=motors)
-    scenes = {source: {name: values[name] for name in DESCRIPTORS} for source, values in measured.items()}
+    scenes = {source: {name: values[name] for name in shown} for source, values in measured.items()}
     if output:
         _write_csv(scenes, output)
     if as_json:
@@ -84,6 +95,20 @@ def measure(
         _show_verdicts(verdicts, without_anger)
     if not all(verdict.holds for verdict in verdicts):
         raise typer.Exit(1)
+
+
+def _chosen(only: str | None) -> list[str]:
+    """Return the descriptors that are meant by names and beginnings of names with commas between, in their order."""
+    from emovid.measure.describe import DESCRIPTORS
+
+    if only is None:
+        return list(DESCRIPTORS)
+    words = [word.strip() for word in only.split(",")]
+    for word in words:
+        if not word or not any(name.startswith(word) for name in DESCRIPTORS):
+            expected = f"expected descriptors, or how names begin, as in cusps,cost{nearest(word, DESCRIPTORS)}"
+            raise InputError(f"--only {only}: {expected}")
+    return [name for name in DESCRIPTORS if name in words or name.startswith(tuple(set(words) - DESCRIPTORS.keys()))]
 
 
 class _Run(NamedTuple):
@@ -146,22 +171,20 @@ def _finite(value: Any) -> Any:
 
 def _show(scenes: Mapping[str, Mapping[str, float]]) -> None:
     from rich import box
-    from rich.console import Console
-    from rich.table import Column, Table
+    from rich.table import Table
 
+    from emovid.cli.tables import show_table
     from emovid.measure.describe import FAMILIES
 
-    table = Table(
-        Column("descriptor", no_wrap=True), Column("unit", no_wrap=True), box=box.SIMPLE, padding=(0, 1, 0, 0)
-    )
+    table = Table("descriptor", "unit", box=box.SIMPLE, padding=(0, 1, 0, 0))
     for scene in scenes:
-        table.add_column(scene, justify="right", overflow="fold", min_width=9)
+        table.add_column(scene, justify="right", overflow="fold", min_width=9, max_width=_WIDEST)
     for family in FAMILIES.values():
         for name, unit, *_ in family:
-            table.add_row(name, unit, *(_number(at[name]) for at in scenes.values()))
+            if all(name in values for values in scenes.values()):
+                table.add_row(name, unit, *(_number(values[name]) for values in scenes.values()))
         table.add_section()
-    console = Console(highlight=False, markup=False)
-    console.print(table, width=max(console.width, 45 + 10 * len(scenes)))  # a line that wraps can still be read
+    show_table(table, heads=2)
 
 
 def _number(value: float) -> str:

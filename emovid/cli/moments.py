@@ -26,6 +26,7 @@ _KINDS = {
 }
 _ON_A_SHEET = 16  # frames: in a run of 15 s, one a second
 MOST = 100  # times
+_TALLEST = 3  # times as high as wide may a picture have room: a video of a telephone fills it, one of a ruler does not
 
 
 class Moments(NamedTuple):
@@ -69,9 +70,13 @@ def at_times(kind: str, sources: Sequence[str], asked: Moments, overrides: "Sequ
         asked: the times.
         overrides: keys of the scene to replace.
     """
+    from emovid.scene.emotions import EMOTIONS
+
     if len(sources) != 1:
         raise InputError(f"{kind}: expected {_KINDS[kind]}")
     (source,) = sources
+    if Path(source).is_dir() and source not in EMOTIONS:
+        raise InputError(f"{source}: is a folder; expected {_KINDS[kind]}")
     if kind == FRAMES:
         return _frames(source, asked, overrides)
     return _sheet_of_scene(source, asked, overrides) if _is_scene(source) else _sheet_of_film(source, asked, overrides)
@@ -125,7 +130,7 @@ def _sheet_of_scene(source: str, asked: Moments, overrides: "Sequence[Setting]")
     video = run.scene.video
 
     def pictures(width: int) -> "NDArray[np.uint8]":
-        size = f"{width}x{round(width * video.height / video.width)}"
+        size = "{}x{}".format(*_within(width, video.width, video.height))
         painter = Painter(run, video.model_copy(update={"size": size}))
         return np.stack([painter.frame(t)[..., :3].copy() for t in times])
 
@@ -149,10 +154,16 @@ def _sheet_of_film(source: str, asked: Moments, overrides: "Sequence[Setting]") 
     times = asked.within(film.end, evenly(_ON_A_SHEET, film.end))
 
     def pictures(width: int) -> "NDArray[np.uint8]":
-        height = max(round(width * film.height / film.width), 1)
-        return film_frames(path, film.shown_at(np.array(times)).tolist(), width, height)
+        size = _within(width, film.width, film.height)
+        return film_frames(path, film.shown_at(np.array(times)).tolist(), *size)
 
     return _entry(source, CONTACT, _sheet, pictures, times)
+
+
+def _within(width: int, wide: int, high: int) -> tuple[int, int]:
+    """Return the size of pictures of a video's form: of some width [pixels], or narrower where they were too tall."""
+    scale = min(width / wide, _TALLEST * width / high)
+    return max(round(wide * scale), 1), max(round(high * scale), 1)
 
 
 def _sheet(pictures: "Pictures", times: Sequence[float], *, width: float) -> "Figure":

@@ -97,7 +97,7 @@ def _make(source: str, overrides: "list[Setting]", target: Path, *, quiet: bool)
     scene = load_scene(source, overrides)
     check_start(scene)
     make_folder(target.parent)
-    with counting(str(target), quiet=quiet) as on_period:
+    with counting(target.name, quiet=quiet) as on_period:
         run = simulate(scene, on_period)
     format: Any = target.suffix.lower().removeprefix(".")
     if format == _SHEET:

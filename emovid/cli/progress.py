@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from emovid.batch.job import Job, Record
     from emovid.batch.make import Reporter
 
+_WIDEST = 40  # characters of a name beside a bar
+
 
 class _Silent:
     def advanced(self, job: "Job", done: int, total: int) -> None:
@@ -82,7 +84,7 @@ class _Bars(_Lines):
     def advanced(self, job: "Job", done: int, total: int) -> None:
         with self.lock:
             if job.target not in self.tasks:
-                self.tasks[job.target] = self.progress.add_task(job.target.name)
+                self.tasks[job.target] = self.progress.add_task(_short(job.target.name))
             if (task := self.tasks[job.target]) is not None:
                 self.progress.update(task, completed=done, total=total)
 
@@ -141,7 +143,7 @@ def counting(what: str, *, quiet: bool) -> Iterator[Callable[[int, int], None] |
         yield None
         return
     with _progress() as progress:
-        task = progress.add_task(what, total=None)
+        task = progress.add_task(_short(what), total=None)
         yield lambda done, total: progress.update(task, completed=done, total=total)
 
 
@@ -153,15 +155,20 @@ def listing(total: int, *, quiet: bool) -> Iterator[Callable[[str], None]]:
     elif is_interactive():
         with _progress() as progress:
             task = progress.add_task("", total=total)
-            yield lambda item: progress.update(task, advance=1, description=item)
+            yield lambda item: progress.update(task, advance=1, description=_short(item))
     else:
         count = itertools.count(1)
         yield lambda item: print(f"[{next(count)}/{total}] {item}", file=sys.stderr, flush=True)
+
+
+def _short(name: str) -> str:
+    """Return the end of a name or path, which says most, where all of it would leave no room for a bar."""
+    return name if len(name) <= _WIDEST else f"…{name[1 - _WIDEST :]}"
 
 
 def _progress() -> "Progress":
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     return Progress(*columns, console=Console(stderr=True), transient=True)

@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from emovid.scene.video import FormatName
 
 FOLDER = "videos"
+_NAMED = 3  # keys that a video differs in from the one that it replaces
 _OTHER_VIDEOS = (".mov", ".mkv", ".avi", ".m4v", ".png", ".apng", ".webp")
 
 Output = Annotated[
@@ -103,9 +104,12 @@ def render(
     from emovid.scene.emotions import EMOTIONS
     from emovid.scene.load import Setting
 
-    look = {"size": size, "fps": fps, "format": format or _format_of(output), "theme": theme, "view": view}
+    look = {"size": size, "fps": fps, "format": format, "theme": theme, "view": view}
+    chosen = settings(assignments, seed, look)
+    if not any(setting.key == "video.format" for setting in chosen):
+        chosen += settings([], look={"format": _format_of(output)})
     overrides = [
-        *settings(assignments, seed, look),
+        *chosen,
         *(Setting(f"video.overlays.{overlay}", True, f"--overlay {overlay}") for overlay in overlays or ()),
     ]
     if every:
@@ -116,18 +120,22 @@ def render(
             raise InputError(f"-o {output}: is one file; expected a folder for six videos")
     else:
         work = [_job(on_platform(one_source(source, emotion), platform), output, overrides)]
+    for line in [] if quiet or as_json else _replaced([job for job in work if job.target != output]):
+        typer.echo(line, err=True)
     with reporter(len(work), quiet=quiet or as_json) as report:
         known = {} if force else done_before(work, report)
         missing = [job for job in work if job.target not in known]
         with workers(min(jobs or os.cpu_count() or 1, len(missing)), report.advanced) as pool:
             made = make_missing(missing, report, pool)
+    if as_json:
+        records = known | made.records
+        videos = {str(job.target): records[job.target] for job in work if job.target in records}
+        failed = {str(target): str(failure) for target, failure in made.failures.items()}
+        typer.echo(json.dumps({"videos": videos, "failed": failed}, indent=2))
     raise_failures(made.failures.values(), len(work), "videos")
     if every:
         names = {name: job.target.name for name, job in zip(EMOTIONS, work, strict=True)}
         write_presentation_order(work[0].target.parent, names, seed or 0)
-    if as_json:
-        records = known | made.records
-        typer.echo(json.dumps({"videos": {str(job.target): records[job.target] for job in work}}, indent=2))
 
 
 def _job(source: str, output: Path | None, overrides: "Sequence[Setting]") -> "Job":
@@ -145,6 +153,21 @@ def _job(source: str, output: Path | None, overrides: "Sequence[Setting]") -> "J
     if output is None and source in shipped_names():  # those of a platform beside the study's, not in their place
         output = Path(FOLDER) / Path(source).parent
     return Job(scene, _target(output, name.stem, scene.video.format), run)
+
+
+def _replaced(work: "Sequence[Job]") -> "Iterator[str]":
+    """Yield a line for each video of other settings that another is about to replace, as their names are the same."""
+    from emovid.batch.ledger import read_ledger
+    from emovid.scene.difference import differences_of
+
+    ledgers = {folder: read_ledger(folder) for folder in {job.target.parent for job in work}}
+    for job in work:
+        known = ledgers[job.target.parent].get(job.target.name, {}).get("scene")
+        if isinstance(known, dict) and job.target.exists():
+            keys = [row.key for row in differences_of(known, job.scene.resolved())]
+            others = f" and {len(keys) - _NAMED} more" if len(keys) > _NAMED else ""
+            if keys:
+                yield f"{job.target}: replaces one with another {', '.join(keys[:_NAMED])}{others}"
 
 
 def _format_of(output: Path | None) -> "FormatName | None":

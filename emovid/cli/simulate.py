@@ -20,6 +20,11 @@ from emovid.cli.options import (
     settings,
 )
 
+_OTHER_FILES = (
+    *(".npy", ".json", ".parquet", ".mat", ".txt", ".tsv", ".xlsx", ".xls", ".ods", ".h5", ".hdf5", ".feather", ".pkl"),
+    *(".yaml", ".yml", ".mp4", ".webm", ".gif"),
+)
+
 
 def simulate(
     source: Source = None,
@@ -52,11 +57,11 @@ def simulate(
         f"{find_scene(chosen).stem}.npz",
         ".",
         SUFFIXES,
-        (".npy", ".json", ".parquet", ".mat", ".txt", ".tsv", ".mp4"),
+        _OTHER_FILES,
     )
     check_start(scene)
     make_folder(target.parent)
-    with counting(str(target), quiet=quiet or as_json) as on_period:
+    with counting(target.name, quiet=quiet or as_json) as on_period:
         trajectory = run(scene, on_period)
     save_trajectory(trajectory, target)
     if as_json:

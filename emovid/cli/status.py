@@ -53,7 +53,7 @@ def verify(
     if again:
         work = rebuildable(folder)
         processes = min(jobs or os.cpu_count() or 1, max(len(work), 1))
-        with counting(str(folder), quiet=as_json) as tell, workers(processes) as pool:
+        with counting(folder.resolve().name, quiet=as_json) as tell, workers(processes) as pool:
             for done, (what, outcome) in enumerate(run(rebuild, work, pool), start=1):
                 if isinstance(outcome, EmovidError):
                     raise outcome

@@ -6,7 +6,7 @@ from emovid.cli import analysis, kit, planning, survey
 
 app = typer.Typer(help="Analyse a study, plan one, rehearse one; make what it shows.", no_args_is_help=True)
 for command in (
-    kit.build, kit.audit, kit.export,
+    kit.new, kit.build, kit.audit, kit.export,
     survey.serve, survey.responses, survey.progress, survey.withdraw,
     analysis.analyze, analysis.columns, analysis.compare,
     planning.power, planning.simulate,

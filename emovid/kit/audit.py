@@ -39,6 +39,13 @@ class Audit:
     orders: dict[str, Any] | None
     left: dict[str, Any] | None
 
+    def facts(self, *, unblind: bool) -> dict[str, Any]:
+        """Return all of it in plain types; without what tells emotions, and the sizes that could, unless `unblind`."""
+        hidden = () if unblind else ("emotions",)
+        findings = [{k: v for k, v in each._asdict().items() if k not in hidden} for each in self.findings]
+        sizes = {"sizes": list(self.sizes)} if unblind else {}
+        return {"checks": self.checks, "findings": findings} | sizes | {"orders": self.orders, "left": self.left}
+
 
 def audit(
     path: Path,

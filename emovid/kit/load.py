@@ -14,7 +14,7 @@ from pydantic import ValidationError
 
 from emovid.errors import SceneError, nearest
 from emovid.kit.finished import check_video
-from emovid.kit.model import MAX_VIDEOS, Study
+from emovid.kit.model import MAX_VIDEOS, Stimulus, Study
 from emovid.places import KeyPath, Places, place_of
 from emovid.scene.complaints import complaint
 from emovid.scene.emotions import EMOTIONS
@@ -123,15 +123,14 @@ def _exemplars(study: Study, path: Path, places: Places) -> Iterator[Exemplar]:
         at: KeyPath = ("stimuli", entry)
         if stimulus.video is not None:
             video = path.parent / stimulus.video
-            emotion = _label(stimulus.emotion, study, (*at, "emotion"), places)
+            emotion = _label(stimulus, None, study, at, places)
             with _blamed_on((*at, "video"), places):
                 check_video(video, study.video)
             yield Exemplar(entry, emotion, Path(stimulus.video).stem, video=video)
             continue
         for levels in combinations:
             scene = _scene(study, entry, levels, path, places)
-            named = (*at, "emotion") if stimulus.emotion else (*at, "scene")
-            emotion = _label(stimulus.emotion or scene.emotion, study, named, places)
+            emotion = _label(stimulus, scene, study, at, places)
             for number in range(study.exemplars):
                 yield Exemplar(entry, emotion, Path(str(stimulus.scene)).stem, number, levels, scene)
 
@@ -170,11 +169,15 @@ def _blamed_on(path: KeyPath, places: Places) -> Iterator[None]:
         raise StudyError(where, str(error), 0, ".".join(map(str, path))) from None
 
 
-def _label(emotion: str | None, study: Study, path: KeyPath, places: Places) -> str:
+def _label(stimulus: Stimulus, scene: Scene | None, study: Study, at: KeyPath, places: Places) -> str:
+    """Return the label that a stimulus stands for: the one given beside it, else its scene's emotion."""
+    emotion = stimulus.emotion or (scene.emotion if scene else None)
     if emotion in study.labels:
         return str(emotion)
-    given = f"{emotion!r} is no label{nearest(emotion, study.labels)}" if emotion else "stands for no emotion"
-    message = f"{given}; expected one of {', '.join(study.labels)}"
+    found = f"{emotion!r} is no label{nearest(emotion, study.labels)}" if emotion else "stands for no emotion"
+    key, remedy = ("emotion", "expected") if stimulus.emotion else ("scene", "expected emotion: beside it, with")
+    path = (*at, key)
+    message = f"{found}; {remedy} one of {', '.join(study.labels)}"
     raise StudyError(place_of(path, places), message, 0, ".".join(map(str, path)))
 
 

@@ -8,11 +8,12 @@ from emovid.measure.shape import SHAPE, shape
 from emovid.measure.smoothness import SMOOTHNESS, smoothness
 from emovid.measure.speed import SPEED, speed
 from emovid.measure.trace import TRACE, trace
-from emovid.measure.window import window_of
+from emovid.measure.window import WINDOW, window_of
 from emovid.swarm.trajectory import Trajectory
 
 # By family, in the order of docs/descriptors.md, which has a row for each.
 FAMILIES: dict[str, tuple[Descriptor, ...]] = {
+    "Window": WINDOW,
     "Speed": SPEED,
     "Angularity of the trace": TRACE,
     "Smoothness": SMOOTHNESS,
@@ -29,8 +30,8 @@ def describe(trajectory: Trajectory, start: float = 0.0, end: float | None = Non
     Args:
         trajectory: of any scene; its `video` has no influence.
         start: of the window that is measured [s].
-        end: of the window [s]; by default the last of the paper's snapshot times for the scene's emotion, and the run's
-            end for a scene without one.
+        end: of the window [s]; by default the last of the scene's `snapshots`, else of the paper's for its emotion; the
+            run's end without either, or where that comes first.
 
     Raises:
         InputError: if the window is empty or not within the run.
@@ -38,6 +39,7 @@ def describe(trajectory: Trajectory, start: float = 0.0, end: float | None = Non
     window = window_of(trajectory, start, end)
     ground = ground_of(trajectory.scene.stage)
     return {
+        "window": window.length,
         **speed(window, ground),
         **trace(window),
         **smoothness(window),

@@ -41,7 +41,7 @@ SMOOTHNESS = (
 
 def smoothness(window: Window) -> dict[str, float]:
     """Return the descriptors of smoothness; NaN if no robot moves."""
-    times = window.start + np.arange(int((window.end - window.start) * _RATE + 1e-9) + 1) / _RATE
+    times = window.start + np.arange(int(window.length * _RATE + 1e-9) + 1) / _RATE
     along = np.diff(window.points(np.minimum(times, window.end)), axis=0)
     profiles = (np.hypot(along[..., 0], along[..., 1]) * _RATE).T
     moving = [profile for profile in profiles if len(profile) > 2 and profile.max() > window.still]

@@ -69,7 +69,7 @@ def trace(window: Window) -> dict[str, float]:
         "sharp_corner_share": sharp / steps if between else nothing,
         "cusps": cusps / robots,
         "cusps_per_metre": cusps / length if between else nothing,
-        "cusps_per_second": cusps / robots / (window.end - window.start),
+        "cusps_per_second": cusps / robots / window.length,
     }
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from emovid.errors import InputError
+from emovid.measure.descriptor import Descriptor
 from emovid.swarm.arrays import Array
 from emovid.swarm.trajectory import Trajectory
 
@@ -17,6 +18,8 @@ from emovid.swarm.trajectory import Trajectory
 _STEP = 1 / 6
 
 _STILL = 60.0  # s; a robot that needs longer for a visible step stands still
+
+WINDOW = (Descriptor("window", "s", "length of the part of the run that is measured"),)
 
 _INTERVAL = 0.1  # s; between looks at the swarm as a whole
 _MOST_LOOKS = 300
@@ -41,6 +44,11 @@ class Window:
             raise InputError(f"the window from {self.start:g} to {self.end:g} s: {message}")
 
     @property
+    def length(self) -> float:
+        """From start to end [s]."""
+        return self.end - self.start
+
+    @property
     def seconds(self) -> Array:
         """How much of each control period lies in the window, (T-1,) [s]."""
         t = np.clip(self.trajectory.t, self.start, self.end)
@@ -58,7 +66,7 @@ class Window:
 
     def times(self) -> Array:
         """Return the even times (F,) [s] from start to end at which the swarm is looked at as a whole: two or more."""
-        looks = max(round((self.end - self.start) / _INTERVAL), 1) + 1
+        looks = max(round(self.length / _INTERVAL), 1) + 1
         return np.linspace(self.start, self.end, min(looks, _MOST_LOOKS))
 
     def points(self, times: Array) -> Array:

@@ -1,9 +1,11 @@
 """What pydantic found wrong with a scene, in one line that a scene's author understands."""
 
 from collections.abc import Mapping
+from types import NoneType
 from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 
 from emovid.errors import SceneError, nearest
 from emovid.places import KeyPath, Places, key_path, place_of
@@ -74,7 +76,8 @@ def _problem(item: Mapping[str, Any], root: type[BaseModel]) -> tuple[KeyPath, s
             return (*path, key), f"missing; expected {_one_of(expected)}"
         return (*path, key), _wrong_word(given[key], expected)
     if kind == "literal_error":
-        return path, _wrong_word(given, context["expected"].replace("' or '", "', '").strip("'").split("', '"))
+        words = context["expected"].replace("' or '", "', '").strip("'").split("', '")
+        return path, _wrong_word(given, [*words, *_null(item["loc"], root)])
     if kind in _BOUNDS:
         bound, words = _BOUNDS[kind]
         return path, f"{_shown(given)}: expected {words} {context[bound]:g}"
@@ -123,10 +126,18 @@ def _known_key(loc: KeyPath, path: KeyPath, root: type[BaseModel]) -> str:
 
 
 def _description(loc: KeyPath, root: type[BaseModel]) -> str:
-    for model in _models_at(loc[:-1], root):
-        if field := model.model_fields.get(str(loc[-1])):
-            return str(field.description)
-    return "a value"
+    return next((str(field.description) for field in _fields_at(loc, root)), "a value")
+
+
+def _null(loc: KeyPath, root: type[BaseModel]) -> list[str]:
+    """Return null, if a key may be."""
+    return ["null"] if any(NoneType in get_args(field.annotation) for field in _fields_at(loc, root)) else []
+
+
+def _fields_at(loc: KeyPath, root: type[BaseModel]) -> list[FieldInfo]:
+    """Return what the last key of a pydantic location may be, in the models that may be there."""
+    models, name = _models_at(loc[:-1], root), str(loc[-1])
+    return [model.model_fields[name] for model in models if name in model.model_fields]
 
 
 def _tags(loc: KeyPath, discriminator: str, root: type[BaseModel]) -> list[str]:

@@ -1,6 +1,6 @@
 """What two scenes say differently."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 from emovid.scene.model import Scene
@@ -28,7 +28,12 @@ def differences(first: Scene, second: Scene) -> list[Difference]:
     Comments, the order of keys and defaults that one spells out make no difference. Lists of one length are compared
     item by item, others as a whole.
     """
-    return list(_differing(first.resolved(), second.resolved(), ()))
+    return differences_of(first.resolved(), second.resolved())
+
+
+def differences_of(first: Mapping[str, Any], second: Mapping[str, Any]) -> list[Difference]:
+    """Return the keys that differ between two scenes, given as `Scene.resolved` gives them."""
+    return list(_differing(first, second, ()))
 
 
 def _differing(first: Any, second: Any, path: tuple[str, ...]) -> Iterator[Difference]:

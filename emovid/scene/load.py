@@ -63,6 +63,8 @@ def find_scene(source: str | Path) -> Path:
         raise SceneError(str(path), "", f"cannot be read: {reason(error)}") from None
     if not found:
         raise SceneError(str(source), "", f"no such file or emotion{nearest(str(source), shipped_names())}")
+    if path.suffix.lower() == ".npz":
+        raise SceneError(str(source), "", "is a finished run; expected a scene (.yaml) or an emotion")
     return path
 
 
@@ -93,15 +95,19 @@ def scene_of(keys: dict[str, Any], known: Places, settings: Iterable[Setting] = 
     Args:
         keys: the values.
         known: the places of the keys.
-        settings: keys to replace, in order.
+        settings: keys to replace, in order. A shorter duration among them moves the file's later snapshots to its end.
         folder: that pictures and robots are found from.
 
     Raises:
         SceneError: as `load_scene`.
     """
     data, places = deepcopy(keys), dict(known)
+    replaced: set[str] = set()
     for setting in settings:
         _apply(setting, data, places)
+        replaced.add(setting.key.partition(".")[0])
+    if "duration" in replaced and "snapshots" not in replaced:
+        _cut_snapshots(data, keys.get("duration"))
     read_pictures(data, folder, places)
     read_robot(data, folder, places)
     try:
@@ -150,6 +156,15 @@ def _apply(setting: Setting, data: dict[str, Any], places: dict[KeyPath, str]) -
     for inside in [known for known in places if known[: len(path)] == path]:
         del places[inside]
     places[path] = setting.origin
+
+
+def _cut_snapshots(data: dict[str, Any], own: Any) -> None:
+    """Put the end of a shorter run in the place of the snapshots between it and the scene's `own` duration."""
+    times, end = data.get("snapshots"), data["duration"]
+    if not (isinstance(times, list) and all(isinstance(value, int | float) for value in (*times, own, end))):
+        return  # none, or what will be said to be wrong
+    if 0 < end < max(times, default=0) <= own:
+        data["snapshots"] = list(dict.fromkeys(min(t, end) for t in times))
 
 
 def _child(target: Any, part: str | int, setting: Setting, **new: Any) -> Any:

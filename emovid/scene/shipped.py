@@ -7,8 +7,10 @@ from emovid.whole_files import reason
 
 MAX_BYTES = 32_000_000  # a scene that lists the poses of 100 000 robots has 5 MB
 
-_INSTALLED = Path(__file__).parent.parent / "configs"
-CONFIGS = _INSTALLED if _INSTALLED.is_dir() else _INSTALLED.parent.parent / "configs"  # a checkout keeps them on top
+_PACKAGE = Path(__file__).parent.parent
+_ABOVE = _PACKAGE if (_PACKAGE / "configs").is_dir() else _PACKAGE.parent  # a checkout keeps them on top
+CONFIGS = _ABOVE / "configs"
+STUDIES = _ABOVE / "studies"
 
 
 def read_text(path: Path, what: str = "scene") -> str:

@@ -2,6 +2,7 @@
 
 import zipfile
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import IO, Any
 
@@ -22,7 +23,7 @@ _ZIP_TIME = (1980, 1, 1, 0, 0, 0)
 
 
 def save_trajectory(trajectory: Trajectory, target: Path) -> None:
-    """Write a trajectory as .npz (arrays and the resolved scene as YAML text) or .csv (time,robot,x,y,heading).
+    """Write a trajectory as .npz (arrays and the resolved scene as YAML text) or .csv (the table of `to_dataframe`).
 
     Raises:
         EmovidError: if the file cannot be written.
@@ -72,9 +73,15 @@ def _write_npz(trajectory: Trajectory, file: IO[bytes]) -> None:
 
 
 def _write_csv(trajectory: Trajectory, file: IO[bytes]) -> None:
-    file.write(b"time,robot,x,y,heading\n")
-    for t, poses in zip(trajectory.t.tolist(), trajectory.poses, strict=True):
-        rows = (f"{t},{robot},{x},{y},{heading}\n" for robot, (x, y, heading) in enumerate(poses.tolist(), start=1))
+    """Write the rows of `to_dataframe`, for which pandas would take longer to import than the run to simulate."""
+    file.write(b"time,robot,x,y,heading,v,omega\n")
+    none = trajectory.scene.robots * [("", "")]  # no command is held after the last sample
+    held = chain((commands.tolist() for commands in trajectory.commands), [none])
+    for t, poses, commands in zip(trajectory.t.tolist(), trajectory.poses, held, strict=True):
+        rows = (
+            f"{t},{robot},{x},{y},{heading},{v},{omega}\n"
+            for robot, ((x, y, heading), (v, omega)) in enumerate(zip(poses.tolist(), commands, strict=True), start=1)
+        )
         file.write("".join(rows).encode())
 
 

@@ -151,8 +151,24 @@ def _check_spacing(scene: Scene, poses: Array) -> None:
         others = pairs[(pairs == one).any(axis=1)].sum(axis=1) - one
         distance = np.hypot(*(middles[others] - middles[one]).T)
         nearest = int(distance.argmin())
+        found, needed = _told_apart(float(distance[nearest]), least)
         raise scene.fault(
             "start.poses" if isinstance(scene.start, AtPoses) else "robots",
             f"{scene.robots} robots do not fit: robots {one + 1} and {others[nearest] + 1} would start "
-            f"{1000 * distance[nearest]:.3g} mm apart, and need {1000 * least:.3g} mm",
+            f"{found} mm apart, and need {needed} mm{_on_the_contour_they_fit(scene, poses, least)}",
         )
+
+
+def _told_apart(less: float, more: float) -> tuple[str, str]:
+    """Return two lengths [m] in mm, in as few digits from three on as show that they differ."""
+    digits = next(n for n in range(3, 18) if f"{1000 * less:.{n}g}" != f"{1000 * more:.{n}g}")
+    return f"{1000 * less:.{digits}g}", f"{1000 * more:.{digits}g}"
+
+
+def _on_the_contour_they_fit(scene: Scene, poses: Array, least: float) -> str:
+    """Return what to say where it is `robot.l`, by which robots stand behind a contour, that leaves too little room."""
+    if not (isinstance(scene.start, OnContour) and scene.robot.body.steers and scene.robot.l):
+        return ""
+    middles = look_ahead(poses, scene.robot.body.disc[0] + scene.robot.l)
+    near, _ = pairs_within(middles, least - _ROUNDING)
+    return "" if len(near) else "; all would fit with a robot.l near 0"

@@ -1,10 +1,16 @@
-"""A terminal to run commands on."""
+"""Terminals to run commands on."""
 
+import io
 import os
 import pty
+import re
 import select
 import subprocess
 import sys
+
+import pytest
+
+from emovid.cli.main import main
 
 
 def on_a_terminal(*arguments: str, **environment: str) -> bytes:
@@ -28,3 +34,21 @@ def on_a_terminal(*arguments: str, **environment: str) -> bytes:
     os.close(master)
     assert process.returncode == 0
     return said
+
+
+class _Screen(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def on_a_screen(columns: int, arguments: list[str], monkeypatch: pytest.MonkeyPatch) -> str:
+    """Return what a command prints to stdout on a terminal without colours, so many columns wide."""
+    with monkeypatch.context() as patch:
+        for name, value in {"COLUMNS": str(columns), "TERM": "xterm"}.items():
+            patch.setenv(name, value)
+        for name in ("FORCE_COLOR", "TTY_COMPATIBLE"):
+            patch.delenv(name, raising=False)
+        screen = _Screen()
+        patch.setattr(sys, "stdout", screen)
+        main(arguments)
+    return re.sub(r"\x1b\[[0-9;]*m", "", screen.getvalue())

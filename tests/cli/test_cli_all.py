@@ -167,6 +167,61 @@ def test_what_ends_a_command_from_outside_is_one_line(raised, code, message, tmp
     assert list(tmp_path.iterdir()) == []
 
 
+TOO_LONG = 300 * "x"
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        f"render fear -o {TOO_LONG}",
+        f"render fear -o {TOO_LONG}.mp4",
+        f"preview fear -o {TOO_LONG}",
+        f"simulate fear -o {TOO_LONG}",
+        f"measure fear -o {TOO_LONG}.csv",
+        f"sweep {TOO_LONG}",
+        f"sweep look_ahead_and_gain -o {TOO_LONG}",
+        f"status {TOO_LONG}",
+        f"verify {TOO_LONG}",
+        f"figures shapes -o {TOO_LONG}",
+        f"figures circumplex --study {TOO_LONG}",
+        f"export robotarium anger -o {TOO_LONG}",
+        f"scene new {TOO_LONG}",
+        f"scene show {TOO_LONG}",
+        f"study analyze {TOO_LONG}",
+        f"study columns {TOO_LONG}",
+        f"study compare {TOO_LONG} {TOO_LONG}",
+        f"study simulate -o {TOO_LONG}",
+        f"study build {TOO_LONG}",
+        f"study audit {TOO_LONG}",
+        f"study export {TOO_LONG} --to jspsych",
+        f"study serve {TOO_LONG}",
+        f"study responses {TOO_LONG}",
+    ],
+)
+def test_a_name_that_the_system_refuses_is_one_line_and_leaves_nothing(command, tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(command.split()) in (1, 2)
+    said = capsys.readouterr()
+    assert re.fullmatch(rf"[^\n]*{TOO_LONG}[^\n]*: file name too long\n", said.err)
+    assert said.out == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_name_that_is_no_unicode_can_be_shown(tmp_path) -> None:
+    name = b"caf\xe9.yaml"
+    (tmp_path / os.fsdecode(name)).write_bytes((DOCS.parent / "configs" / "fear.yaml").read_bytes())
+    for command in ("scene check", "measure"):
+        arguments = [*EMOVID, *command.split(), name, "--set", "duration=1"]
+        done = subprocess.run(arguments, cwd=tmp_path, capture_output=True, check=True)
+        assert b"caf" in done.stdout
+
+
+def test_help_can_be_shown_in_any_encoding() -> None:
+    environment = os.environ | {"PYTHONIOENCODING": "ascii"}
+    shown = subprocess.run([*EMOVID, "render", "--help"], env=environment, capture_output=True, check=True).stdout
+    assert b"--overlay" in shown
+
+
 # --- colours ---------------------------------------------------------------------------------------------------------
 
 
@@ -222,6 +277,8 @@ def folder(tmp_path_factory) -> Path:
         ("emovid render r", ["run.npz"]),
         ("emovid simulate r", []),
         ("emovid measure run", ["run.npz"]),
+        ("emovid measure fear --only hull_area_share_s", ["hull_area_share_start"]),
+        ("emovid measure fear --only cusps,spa", ["cusps,sparc"]),
         ("emovid preview nowhere/", []),
         ("emovid preview ~nobody-of-this-name/", []),
         ("emovid render --theme ", ["light", "dark"]),

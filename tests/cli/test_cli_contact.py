@@ -78,13 +78,25 @@ def test_the_same_video_gives_the_same_bytes() -> None:
     assert Path("one/a-contact-sheet.pdf").read_bytes() == Path("two/a-contact-sheet.pdf").read_bytes()
 
 
+def test_pictures_of_a_very_tall_video_are_narrow() -> None:
+    assert main(["render", "fear", *SHORT, "--size", "64x4096", "-o", "tall.mp4", "--quiet"]) == 0
+    for source, keys in (("tall.mp4", []), ("fear", [*SHORT, "--set", "video.size=64x4096"])):
+        assert main(["figures", "contact-sheet", source, *keys, "--count", "4", "--format", "png", "--quiet"]) == 0
+        with Image.open(f"figures/{Path(source).stem}-contact-sheet.png") as page:
+            assert page.height < page.width == 2148  # four beside each other, each as high as three are wide
+
+
+EXPECTED = "expected one video file, scene (.yaml), finished run (.npz) or emotion"
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ([], "contact-sheet: expected one video file, scene (.yaml), finished run (.npz) or emotion"),
-        (["a.mp4", "b.mp4"], "contact-sheet: expected one video file, scene (.yaml), finished run (.npz) or emotion"),
+        ([], f"contact-sheet: {EXPECTED}"),
+        (["a.mp4", "b.mp4"], f"contact-sheet: {EXPECTED}"),
         (["none.mp4"], "none.mp4: cannot be read: no such file or directory"),
-        (["folder.mp4"], "folder.mp4: cannot be read: is a directory"),
+        (["folder.mp4"], f"folder.mp4: is a folder; {EXPECTED}"),
+        (["folder"], f"folder: is a folder; {EXPECTED}"),
         (["text.mp4"], "text.mp4: no video that can be read"),
         (["feer"], "feer: no such file or emotion (did you mean fear?)"),
         (["small.gif", "--times", "0,3"], "--times 0,3: 3 s is outside the run of 0 to 0.1 s"),
@@ -97,8 +109,15 @@ def test_the_same_video_gives_the_same_bytes() -> None:
 )
 def test_a_mistake_is_one_line_and_leaves_nothing(capsys, arguments, message) -> None:
     Path("folder.mp4").mkdir()
+    Path("folder").mkdir()
     Path("text.mp4").write_text("no video")
     Image.new("L", (64, 64)).save("small.gif")
     assert main(["figures", "contact-sheet", *arguments]) == 2
     assert capsys.readouterr().err == message + "\n"
     assert not Path("figures").exists()
+
+
+def test_an_emotion_is_meant_beside_a_folder_of_its_name() -> None:
+    Path("fear").mkdir()  # as a sequence of pictures, rendered here, has
+    assert main(["figures", "contact-sheet", "fear", *SHORT, "--format", "png", "--quiet"]) == 0
+    assert Path("figures/fear-contact-sheet.png").exists()

@@ -129,11 +129,30 @@ def test_what_a_study_lacks_is_left_out_of_all(capsys, monkeypatch) -> None:
     ]
 
 
+def test_results_with_a_group_of_another_form_are_refused(capsys) -> None:
+    main(["study", "analyze", "--counts", str(ROOT / "studies" / "santos-egerstedt" / "counts.csv"), "--quiet"])
+    results = json.loads(Path("results/results.json").read_bytes())
+    Path("results/results.json").write_text(json.dumps(results | {"groups": {"gender": {"female": {}}}}))
+    assert main(["figures", "circumplex", "--study", "results"]) == 2
+    expected = "results/results.json: no results; expected the results.json of emovid study analyze\n"
+    assert capsys.readouterr().err == expected
+    Path("results/results.json").write_text(json.dumps(results | {"groups": {"gender": {}}}))  # of one level only
+    assert main(["figures", "circumplex", "--study", "results", "--format", "svg", "--quiet"]) == 0
+
+
+def test_a_folder_that_cannot_be_written_to_is_said_before_figures_are_drawn(monkeypatch, capsys) -> None:
+    monkeypatch.setattr(os, "access", lambda *_: False)  # the tests may be run by root, who can always
+    assert main(["figures", "gritsbot", "-o", "theirs"]) == 2
+    assert capsys.readouterr().err == "-o theirs: cannot be written to\n"
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         ([], "expected names of figures, all, gallery, or --list to see them"),
         (["anger-frame"], "anger-frame: no such figure (did you mean anger-frames?); --list shows them"),
+        (["awe.yaml"], "awe.yaml: no such figure (did you mean frames awe.yaml?); --list shows them"),
+        (["awe.MP4"], "awe.MP4: no such figure (did you mean contact-sheet awe.MP4?); --list shows them"),
         (["gritsbot", "zzz"], "zzz: no such figure; --list shows them"),
         (["gritsbot", "--format", "pfd"], "--format pfd: expected one of pdf, png, svg, tex, md (did you mean pdf?)"),
         (["gritsbot", "--format", "tex"], "gritsbot: cannot be written as tex; expected one of pdf, png, svg"),

@@ -5,6 +5,8 @@ from pathlib import Path
 import pytest
 
 from emovid.cli.main import main
+from emovid.kit.load import load_study
+from emovid.kit.read import open_kit
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = (ROOT / "studies" / "example" / "study.yaml").read_text()
@@ -39,6 +41,28 @@ def kit(built, tmp_path) -> Path:
     return Path("kit")
 
 
+def test_a_new_study_is_the_sample_and_says_what_comes_next(capsys) -> None:
+    assert main(["study", "new", "deep/my-study"]) == 0
+    next_step = "make it yours, then emovid study build deep/my-study -o kit/"
+    assert capsys.readouterr() == ("", f"deep/my-study/study.yaml: the paper's study; {next_step}\n")
+    assert Path("deep/my-study/study.yaml").read_text() == EXAMPLE
+    assert main(["study", "new", "deep", "-q"]) == 0  # a folder that is there, without a study
+    assert capsys.readouterr() == ("", "")
+    loaded = load_study(Path("deep"))
+    assert [item.emotion for item in loaded.exemplars] == list(loaded.study.labels)
+
+
+def test_a_new_study_takes_no_other_s_place(capsys) -> None:
+    assert main(["study", "new", "."]) == 2
+    assert capsys.readouterr().err == "study.yaml: exists; expected another folder\n"
+    assert Path("study.yaml").read_text() == SMALL
+    Path("notes").write_text("mine")
+    for taken in ("notes", "my.yaml"):
+        assert main(["study", "new", taken]) == 2
+        assert capsys.readouterr().err == f"{taken}: expected a folder, to write study.yaml into\n"
+    assert Path("notes").read_text() == "mine"
+
+
 def test_build_says_what_it_makes_and_warns_of_a_seed_that_can_be_guessed(capsys) -> None:
     assert main(["study", "build", "study.yaml", "-o", "one", "--seed", "7"]) == 0
     out, err = capsys.readouterr()
@@ -67,12 +91,34 @@ def test_a_finding_is_a_line_and_exit_code_1(kit, capsys) -> None:
     assert main(["study", "audit", str(kit)]) == 1
     out, err = capsys.readouterr()
     assert "files: public/anger.txt: not of the kit\n" in out
-    assert "names: public/anger.txt: names anger\n" in out
+    assert "names: public/anger.txt: names an emotion\n" in out
     assert err == ""
     assert main(["study", "audit", str(kit), "--json"]) == 1
     said = json.loads(capsys.readouterr().out)
-    assert {"check": "names", "where": "public/anger.txt", "message": "names anger"} in said["findings"]
+    assert {"check": "names", "where": "public/anger.txt", "message": "names an emotion"} in said["findings"]
     assert said["orders"]["places_most"] == 2
+
+
+def test_who_audits_stays_blind_unless_they_ask(kit, capsys) -> None:
+    key = open_kit(kit).key
+    code = next(code for code in key if key[code] == "fear")
+    (kit / "exports").mkdir()
+    (kit / "exports" / "page.html").write_text(f'<video src="{code}.mp4" title="a scared swarm"></video>')
+
+    def said(*options: str) -> str:
+        assert main(["study", "audit", str(kit), *options]) == 1
+        return capsys.readouterr().out
+
+    for blind in (said(), said("--json")):
+        assert f"names an emotion beside {code}" in blind
+        assert not [label for label in key.values() if label in blind]
+        assert "kbit" not in blind  # motion is what tells emotions, and bits follow it
+    rows = [line.split() for line in said("--unblind").splitlines()]
+    assert {row[1]: row[0] for row in rows if len(row) == 5 and row[1] in key} == key
+    assert f"pages: exports/page.html: names an emotion beside {code}: fear" in said("--unblind")
+    facts = json.loads(said("--unblind", "--json"))
+    assert {row["video_code"]: row["emotion"] for row in facts["sizes"]} == key
+    assert [finding["emotions"] for finding in facts["findings"]] == [["fear"]]
 
 
 def test_the_audit_reports_what_dropouts_left(kit, capsys) -> None:

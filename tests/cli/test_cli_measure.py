@@ -83,9 +83,50 @@ def test_the_table_names_each_descriptor_in_full(capsys) -> None:
     assert "0.0908" in said  # metres in 8 s
 
 
+def test_each_scene_says_how_long_it_was_measured(capsys) -> None:
+    assert main(["measure", "happiness", "sadness"]) == 0
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert ["window", "s", "4", "8"] in rows
+    assert main(["measure", "sadness", "--set", "snapshots=[0, 3]", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["scenes"]["sadness"]["window"] == 3
+
+
+@pytest.mark.parametrize(
+    ("only", "names"),
+    [
+        ("speed_mean,cusps", ["speed_mean", "cusps"]),  # not speed_mean_diagonals, cusps_per_metre
+        (" cost_ ,window", ["window", "cost_start", "cost_end", "cost_converged", "cost_ratio", "cost_progress"]),
+        ("radius_spread,radius_spread", ["radius_spread"]),
+    ],
+)
+def test_only_the_chosen_descriptors_are_given_in_their_order(only, names, capsys) -> None:
+    shortly = ["measure", "fear", "--only", only, "--set", "duration=1"]
+    assert main([*shortly, "--json", "-o", "measure.csv"]) == 0
+    assert list(json.loads(capsys.readouterr().out)["scenes"]["fear"]) == names
+    assert [row["descriptor"] for row in csv.DictReader(Path("measure.csv").read_text().splitlines())] == names
+    assert main(shortly) == 0
+    said = capsys.readouterr().out.split()
+    assert [word for word in said if word in DESCRIPTORS] == names
+
+
+def test_the_gate_names_the_claims_that_robots_with_motors_need_not_fulfil_for_anger(capsys) -> None:
+    main(["measure", "--gate", "--platform", "robotarium", "--set", "duration=0.3", "--quiet"])
+    assert capsys.readouterr().out == ""
+    main(["measure", "--gate", "--platform", "robotarium", "--set", "duration=0.3"])
+    assert "\nnot held against anger  anger has the highest peak speed (" in capsys.readouterr().out
+
+
+def test_claims_are_held_against_all_descriptors_whichever_are_shown(capsys) -> None:
+    assert main(["measure", "--gate", "--only", "window"]) == 0
+    assert "anger has the highest peak speed" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
+        (["measure", "fear", "--only", "cuspz"], "or how names begin, as in cusps,cost (did you mean cusps?)"),
+        (["measure", "fear", "--only", "speed,"], "--only speed,: expected descriptors"),
+        (["measure", "fear", "--only", ""], "--only : expected descriptors"),
         (["measure"], "expected scenes to measure, or --all"),
         (["measure", "fear", "--all"], "expected scenes to measure, or --all"),
         (["measure", "fear", "--gate"], "--gate: expected one scene of each emotion; given fear"),

@@ -54,9 +54,19 @@ def test_simulate_says_what_it_did_as_json(capsys) -> None:
 
 
 def test_simulate_refuses_files_it_cannot_write(tmp_path, capsys) -> None:
-    assert main(["simulate", "sadness", "-o", "x.mat"]) == 2
-    assert capsys.readouterr().err == "-o x.mat: cannot write .mat; expected .npz or .csv, or a folder\n"
+    for suffix in (".mat", ".xlsx", ".yaml"):
+        assert main(["simulate", "sadness", "-o", f"x{suffix}"]) == 2
+        assert capsys.readouterr().err == f"-o x{suffix}: cannot write {suffix}; expected .npz or .csv, or a folder\n"
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("command", ["scene check", "scene show", "simulate", "preview", "check-platform"])
+def test_a_finished_run_is_said_to_be_one_where_a_scene_is_expected(command, capsys) -> None:
+    Path("run.npz").write_bytes(b"PK")
+    assert main([*command.split(), "run.npz"]) == 2
+    assert capsys.readouterr().err == "run.npz: is a finished run; expected a scene (.yaml) or an emotion\n"
+    assert main([*command.split(), "none.npz"]) == 2
+    assert capsys.readouterr().err.startswith("none.npz: no such file")
 
 
 # --- emovid scene ----------------------------------------------------------------------------------------------------
@@ -86,6 +96,12 @@ def test_scene_new_copies_and_never_overwrites(capsys) -> None:
     assert Path("deep/my.yaml").read_text() == "mine"
     assert main(["scene", "new", "deep/my.yaml", "--force"]) == 0
     assert Path("deep/my.yaml").read_text() == shipped_scene("happiness").read_text()
+
+
+def test_scene_new_can_be_quiet(capsys) -> None:
+    assert main(["scene", "new", "my.yaml", "--quiet"]) == 0
+    assert Path("my.yaml").read_text() == shipped_scene("happiness").read_text()
+    assert capsys.readouterr() == ("", "")
 
 
 def test_scene_new_says_that_a_folder_is_none(tmp_path, capsys) -> None:
@@ -185,6 +201,7 @@ def test_a_reader_that_leaves_early_is_no_error() -> None:
         assert process.stderr
         process.stdout.close()
         assert process.stderr.read() == b""
+        assert process.wait() == 1
 
 
 def test_a_terminal_gets_a_bar_and_the_same_last_lines(tmp_path) -> None:

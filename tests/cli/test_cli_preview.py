@@ -5,6 +5,7 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -123,6 +124,23 @@ def test_watching_goes_on_over_mistakes_until_it_is_interrupted(watched) -> None
     watched.process.send_signal(signal.SIGINT)
     assert watched.process.wait(30) == 130
     assert names() == ["my.gif", "my.yaml"]
+
+
+class _EnoughError(Exception):
+    """What ends watching, in place of a Ctrl-C."""
+
+
+def test_watching_can_be_quiet(monkeypatch, capsys) -> None:
+    main(["scene", "new", "my.yaml", "--from", "fear", "--quiet"])
+
+    def sleep(_: float) -> None:
+        raise _EnoughError
+
+    monkeypatch.setattr("emovid.cli.preview.time", SimpleNamespace(perf_counter=time.perf_counter, sleep=sleep))
+    with pytest.raises(_EnoughError):
+        main(["preview", "my.yaml", *SHORT, "-o", "my.gif", "--watch", "--quiet"])
+    assert names() == ["my.gif", "my.yaml"]
+    assert capsys.readouterr() == ("", "")
 
 
 def test_watching_what_is_not_there_ends_at_once(capsys) -> None:

@@ -160,6 +160,29 @@ def test_what_changed_is_made_again(capsys, change) -> None:
     assert "[1/1] videos/anger.mp4: 5 frames\nrendered 1 in" in capsys.readouterr().err
 
 
+def test_a_video_of_other_settings_that_is_replaced_is_said_to_be(capsys) -> None:
+    render("--emotion", "anger")
+    assert "replaces" not in capsys.readouterr().err  # there was none
+    render("--emotion", "anger", "--seed", "2")
+    assert capsys.readouterr().err.startswith(
+        "videos/anger.mp4: replaces one with another seed\n[1/1] videos/anger.mp4:"
+    )
+    render("--emotion", "anger", "--set", "robots=4", "--theme", "dark", "--set", "robot.K=9", "-o", "videos")
+    line = "videos/anger.mp4: replaces one with another robot.K, robots, seed and 1 more\n"
+    assert capsys.readouterr().err.startswith(line)
+    for alike in (
+        ["--force"],
+        ["-q", "--seed", "3"],
+        ["--json", "--seed", "4"],
+        ["-o", "videos/anger.mp4", "--seed", "5"],
+    ):
+        render("--emotion", "anger", "--set", "robots=4", "--theme", "dark", "--set", "robot.K=9", *alike)
+        assert "replaces" not in capsys.readouterr().err
+    Path("videos/anger.mp4").unlink()
+    render("--emotion", "anger")
+    assert "replaces" not in capsys.readouterr().err  # there is none to lose
+
+
 def test_a_copied_folder_is_up_to_date(tmp_path, capsys) -> None:
     render("--emotion", "anger")
     other = tmp_path / "copy"
@@ -223,6 +246,28 @@ def test_json_goes_to_stdout_alone(capsys) -> None:
     said = capsys.readouterr()
     assert json.loads(said.out)["videos"]["videos/sadness.mp4"]["frames"] == 5
     assert said.err == ""
+    assert json.loads(said.out)["failed"] == {}
+
+
+def test_json_has_what_is_made_and_what_failed(capsys) -> None:
+    Path("videos/fear.mp4").mkdir(parents=True)
+    assert render("--all", "--jobs", "1", "--json") == 1
+    said = capsys.readouterr()
+    found = json.loads(said.out)
+    assert sorted(found["videos"]) == sorted(f"videos/{name}.mp4" for name in EMOTIONS if name != "fear")
+    assert list(found["failed"]) == ["videos/fear.mp4"]
+    summary = "1 of 6 videos failed: run again to make what is missing"
+    assert said.err.splitlines() == [*found["failed"].values(), summary]
+    assert not Path("videos/presentation_order.csv").exists()
+
+
+def test_a_single_failure_is_one_line(capsys) -> None:
+    Path("videos/fear.mp4").mkdir(parents=True)
+    assert render("fear") == 1
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1
+    assert lines[0].startswith("videos/fear.mp4: ")
+    assert lines[0].endswith("; run again to make what is missing")
 
 
 def test_quiet_says_nothing(capsys) -> None:
@@ -241,6 +286,8 @@ def test_quiet_says_nothing(capsys) -> None:
         (["fear", "-o", "x.mov"], "-o x.mov: cannot write .mov; expected .mp4, or a folder"),
         (["fear", "-o", "x.webm", "--format", "gif"], "-o x.webm: cannot write .webm; expected .gif, or a folder"),
         (["fear", "-o", "x.gif", "--format", "png-sequence"], "-o x.gif: cannot write .gif; expected a folder"),
+        (["fear", "-o", "x.mp4", "--set", "video.format=gif"], "-o x.mp4: cannot write .mp4; expected .gif, or a "
+                                                               "folder"),
         (["fear", "-o", "x.gif", "--fps", "60"], "--fps 60: video.fps: 60: expected at most 50 in a gif: browsers show "
                                                  "a faster one slowly"),
         (["fear", "--format", "avi"], "--format avi: video.format: 'avi': expected one of mp4, webm, gif, "

@@ -135,6 +135,87 @@ def test_a_replication_stands_beside_the_original(capsys) -> None:
         assert json.loads(capsys.readouterr().out) == found
 
 
+def test_what_one_study_did_not_ask_is_no_number(tmp_path, capsys) -> None:
+    (tmp_path / "a.csv").write_text("perceived,fear,anger\nfear,5,1\nanger,1,4\n")
+    (tmp_path / "b.csv").write_text("perceived,anger\nfear,2\nanger,3\n")
+    assert main(["study", "compare", "a.csv", "b.csv", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)  # NaN is no JSON
+    assert found["videos"]["fear"]["difference"] is None
+    assert found["videos"]["anger"]["difference"] == pytest.approx(3 / 5 - 4 / 5)
+    assert main(["study", "compare", "a.csv", "b.csv"]) == 0
+    assert capsys.readouterr().out.startswith("fear       5/6 and 0/0        no answers to compare\nanger ")
+
+
+def test_studies_of_other_labels_are_not_compared(tmp_path, capsys) -> None:
+    (tmp_path / "a.csv").write_text("perceived,fear,anger\nfear,5,1\nanger,1,4\n")
+    (tmp_path / "b.csv").write_text("perceived,fear\nfear,2\nsadness,3\n")
+    assert main(["study", "compare", "a.csv", "b.csv"]) == 2
+    assert capsys.readouterr().err == "b.csv: other labels than a.csv: expected fear, anger\n"
+
+
+def test_what_cannot_be_used_is_shown_up_to_a_bound(tmp_path, capsys) -> None:
+    rows = "".join(f"p{i},anger,meh\np{i},fear,fear\n" for i in range(203))
+    (tmp_path / "x.csv").write_text(f"participant,video,response\n{rows}p9,fear\n")
+    assert main(["study", "analyze", "x.csv"]) == 0
+    said = capsys.readouterr().out
+    assert "\nx.csv:2: response: 'meh': no label; expected happiness," in said
+    assert said.count("'meh'") == 200
+    assert "\n... and 4 more in rejected.csv\n" in said
+
+
+def test_an_analysis_among_the_exports_is_none_of_them(tmp_path, capsys) -> None:
+    exports = tmp_path / "exports"
+    exports.mkdir()
+    shutil.copy(REFERENCE / "responses.csv", exports)
+    for output in ("exports/results", "exports/results", "exports"):  # the second would read the first's, ...
+        assert main(["study", "analyze", "exports", "-o", output, "--by", "gender", "--by", "robotics_background"]) == 0
+        assert "responses.csv: long table, 45 participants\n" in capsys.readouterr().out
+        results = json.loads((tmp_path / output / "results.json").read_text())
+        assert (results["n_participants"], len(results["provenance"]["inputs"])) == (45, 1)
+        assert (tmp_path / output / "rejected.csv").read_text() == "file,row,cell,value,reason\n"
+    shutil.copy(exports / "responses_tidy.csv", tmp_path / "tidy.csv")
+    for folder in ("exports", "exports/results"):
+        for name in FILES:
+            (tmp_path / folder / name).unlink()
+    shutil.move(tmp_path / "tidy.csv", exports / "tidy.csv")  # ... and it is known wherever it lies
+    assert main(["study", "analyze", "exports", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["n_participants"] == 45
+    (exports / "responses.csv").unlink()
+    assert main(["study", "analyze", "exports"]) == 2
+    said = "exports: no file here, those of an analysis aside; expected an export of a survey\n"
+    assert capsys.readouterr().err == said
+    assert main(["study", "analyze", "exports/tidy.csv", "--json"]) == 0  # named, it is read
+    assert json.loads(capsys.readouterr().out)["n_participants"] == 45
+
+
+def test_a_results_json_of_another_program_hides_nothing(tmp_path, capsys) -> None:
+    shutil.copy(REFERENCE / "responses.csv", tmp_path / "tests.csv")
+    for text in ("{}", "[1]", "{"):
+        (tmp_path / "results.json").write_text(text)
+        assert main(["study", "analyze", ".", "--json", "-o", "r"]) == 0
+        assert json.loads(capsys.readouterr().out)["n_participants"] == 45
+
+
+def test_who_is_taken_as_a_participant_is_said_where_no_name_says_it(tmp_path, capsys) -> None:
+    lines = (REFERENCE / "responses.csv").read_text().splitlines()
+    (tmp_path / "x.csv").write_text("\n".join([lines[0].replace("participant", "Code"), *lines[1:]]))
+    assert main(["study", "analyze", "x.csv"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    note = "x.csv: participants are told apart by 'Code': each of its 45 values answers all 6 videos once"
+    assert said.startswith(f"x.csv: long table, 45 participants {note} signaled emotion")
+    assert said.count(note) == 2  # among the warnings, too
+
+
+def test_columns_take_labels_of_one_s_own(tmp_path, capsys) -> None:
+    (tmp_path / "x.csv").write_text("participant,video,response\na,awe,calm\na,calm,awe\n")
+    assert main(["study", "columns", "x.csv", "--labels", "awe,calm"]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith(
+        "# x.csv: long table\n# participant  participant: 'a'\n# video        video: 'awe', 'calm'\n"
+    )
+    assert "\nparticipant: participant\nvideo: video\nresponse: response\nanswers:\n" in said
+
+
 def test_a_study_is_planned(capsys) -> None:
     assert main(["study", "power", "--rate", "0.5", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)

@@ -54,6 +54,23 @@ def test_an_item_whose_worker_died_starts_again(capsys) -> None:
     assert "a.mp4: its worker died, attempt 1; another takes over" in capsys.readouterr().err
 
 
+def test_an_item_whose_worker_died_before_it_began_has_no_bar_to_end(capsys) -> None:
+    with reporter(2, quiet=False) as report:
+        report.died(job("a.mp4"), 1)
+        assert shown(report) == {"all": (0, 2)}
+        report.advanced(job("a.mp4"), 1, 4)
+        assert shown(report)["a.mp4"] == (1, 4)
+
+
+def test_who_is_quiet_says_nothing_of_anything(capsys) -> None:
+    with reporter(2, quiet=True) as report:
+        report.advanced(job("a.mp4"), 3, 4)
+        report.died(job("a.mp4"), 1)
+        report.failed(job("a.mp4"))
+        report.finished(job("b.mp4"), {"frames": 4}, made=True)
+    assert capsys.readouterr() == ("", "")
+
+
 def test_one_item_needs_no_bar_for_all() -> None:
     with reporter(1, quiet=False) as report:
         report.advanced(job("a.mp4"), 1, 4)
@@ -66,7 +83,9 @@ def test_what_is_listed_is_named_beside_a_bar(tmp_path) -> None:
     assert "2/2" in said
 
 
-def test_what_is_counted_has_a_bar(tmp_path) -> None:
-    said = on_a_terminal("simulate", "sadness", "-o", str(tmp_path / "run.npz")).decode()
-    assert "run.npz" in said
-    assert re.search(r"(\d{3})/\1\b", said)
+@pytest.mark.parametrize("name", ["run.npz", f"{80 * 'r'}.npz", "[red]run.npz"])
+def test_what_is_counted_has_a_bar(name, tmp_path) -> None:
+    folder = tmp_path / ("a-folder-with-a-long-name" + 60 * "-")
+    said = on_a_terminal("simulate", "sadness", "-o", str(folder / name)).decode()
+    assert name[-20:] in said
+    assert re.search(r"━━━ (\d{3})/\1 ", re.sub(r"\x1b\[[0-9;]*m", "", said))

@@ -5,15 +5,18 @@ import json
 import os
 import shutil
 import struct
+import subprocess
 from pathlib import Path
 
 import pytest
-from tiny import LABELS, STUDY, make_kit, write_study
+from tiny import LABELS, SEED, STUDY, Silent, make_kit, write_study
 
 from emovid.errors import InputError
 from emovid.kit.audit import audit
+from emovid.kit.build import build
 from emovid.kit.export import export
 from emovid.kit.folders import set_times
+from emovid.kit.load import load_study
 from emovid.kit.mp4 import boxes
 from emovid.kit.read import open_kit
 from emovid.scene.load import Setting, load_scene, scene_digest
@@ -27,7 +30,7 @@ class Found(set):
     def __init__(self, kit: Path, **how) -> None:
         findings = audit(kit, **how).findings
         super().__init__(finding.check for finding in findings)
-        self.text = "\n".join(map(str, findings))
+        self.text = "\n".join(finding.unblinded for finding in findings)
 
 
 def a_video(kit: Path, emotion: str = "fear") -> Path:
@@ -78,7 +81,7 @@ def test_a_video_called_by_its_emotion(kit) -> None:
     set_times(kit / "public")
     found = Found(kit)
     assert found == {"files", "names"}
-    assert "public/videos/fear.mp4: names fear" in found.text
+    assert "public/videos/fear.mp4: names an emotion: fear" in found.text
 
 
 def test_a_folder_called_by_a_word_for_an_emotion(kit) -> None:
@@ -99,6 +102,23 @@ def test_codes_that_were_chosen_by_hand(kit) -> None:
 def test_a_video_with_a_time_of_its_own(kit) -> None:
     os.utime(a_video(kit), (1_700_000_000, 1_700_000_000))
     assert Found(kit) == {"times"}
+
+
+def test_a_copy_without_its_times_is_told_its_remedies_and_they_help(fresh, tmp_path) -> None:
+    for how in ("-r", "-a"):
+        subprocess.run(["cp", how, fresh, tmp_path / how[1:]], check=True)  # noqa: S607 - whichever cp one has
+    assert audit(tmp_path / "a").findings == ()
+    found = Found(tmp_path / "r")
+    assert found == {"times"}
+    assert "copy a kit with cp -a, or build it again with its seed" in found.text
+    build(load_study(fresh.parent / "study"), tmp_path / "r", 12, SEED, Silent())
+    assert audit(tmp_path / "r").findings == ()
+
+
+def test_a_kit_in_a_folder_that_looks_like_a_protocol(fresh, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(fresh, "10:30")
+    assert audit(Path("10:30")).findings == ()
 
 
 def test_a_file_that_is_no_part_of_the_kit(kit) -> None:
@@ -148,7 +168,7 @@ def test_a_page_that_says_an_emotion_beside_a_code(kit, page) -> None:
     path.write_text(page.replace("CODE", a_video(kit).stem))
     found = Found(kit)
     assert found == {"pages"}
-    assert f"names fear beside {a_video(kit).stem}" in found.text
+    assert f"names an emotion beside {a_video(kit).stem}: fear" in found.text
 
 
 def test_a_page_with_the_list_of_answers_is_no_leak(kit) -> None:
@@ -306,7 +326,7 @@ def test_the_public_scenes_own_runs_as_stimuli(tmp_path) -> None:
     found = Found(kit)
     assert found == {"alike", "scenes"}  # nobody made them equally long, either
     for emotion in LABELS:
-        assert f"{a_video(kit, emotion).name}: shows the run of the public scene {emotion}" in found.text
+        assert f"{a_video(kit, emotion).name}: shows the run of a public scene: {emotion}" in found.text
 
 
 def test_a_study_that_lets_nothing_vary_shows_the_public_scenes(tmp_path) -> None:

@@ -80,6 +80,12 @@ def test_the_picture_stays_and_sound_and_title_go(video) -> None:
     assert b"soun" not in data  # the kind of a track of sound
 
 
+def test_a_video_with_the_name_of_a_protocol_is_encoded_as_any_other(video) -> None:
+    reencode(video, Path("out.mp4"), LOOK, 5)
+    reencode(video.rename("10:30.mp4"), Path("again.mp4"), LOOK, 5)
+    assert Path("again.mp4").read_bytes() == Path("out.mp4").read_bytes()
+
+
 def test_the_grain_is_in_squares_and_of_the_seed() -> None:
     found = grain(100, 50, 7)
     assert found.shape == (50, 100)

@@ -108,6 +108,15 @@ def test_a_scene_beside_the_study_is_found_from_it(tmp_path, monkeypatch) -> Non
     assert item.scene.robots == 6
 
 
+def test_a_scene_of_one_s_own_may_have_snapshots_after_the_end_of_the_stimuli(tmp_path) -> None:
+    folder = write_study(tmp_path, changed(("scene: fear", "scene: mine.yaml")))
+    text = (ROOT / "configs" / "fear.yaml").read_text()
+    assert "\nsnapshots: null" in text
+    (folder / "mine.yaml").write_text(text.replace("\nsnapshots: null", "\nsnapshots: [0, 7]"))
+    (item,) = (item for item in load_study(folder).exemplars if item.source == "mine")
+    assert (item.scene.duration, item.scene.snapshots) == (1, (0, 1))
+
+
 def test_the_view_can_be_a_factor(tmp_path) -> None:
     factors = (
         "factors:\n  view:\n    above: {video.view: overhead}\n    side: {video.view: perspective}\nset: {robots: 6}"
@@ -137,6 +146,21 @@ def test_what_a_stimulus_sets_goes_before_what_a_level_and_the_study_set(tmp_pat
     items = {(i.emotion, i.factors["swarm"]): i.scene for i in load_study(write_study(tmp_path, text)).exemplars}
     assert (items["fear", "few"].robots, items["anger", "few"].robots) == (3, 4)
     assert (items["anger", "few"].seed, items["anger", "many"].seed) == (5, 6)
+
+
+@pytest.mark.parametrize(("said", "found"), [("null", "stands for no emotion"), ("anger", "'anger' is no label")])
+def test_a_scene_that_stands_for_no_label_is_told_where_to_say_one(tmp_path, said, found) -> None:
+    text = (ROOT / "configs" / "anger.yaml").read_text()
+    assert text.count("\nemotion: anger") == 1
+    labels = ("anger: Anger", "curiosity: Curiosity")
+    folder = write_study(tmp_path, changed(labels, ("scene: anger", "scene: mine.yaml")))
+    (folder / "mine.yaml").write_text(text.replace("\nemotion: anger", f"\nemotion: {said}"))
+    with pytest.raises(EmovidError) as caught:
+        load_study(folder)
+    expected = "expected emotion: beside it, with one of happiness, surprise, curiosity, fear, disgust, sadness"
+    assert str(caught.value) == f"{folder / 'study.yaml'}:7: stimuli.2.scene: {found}; {expected}"
+    write_study(tmp_path, changed(labels, ("scene: anger", "scene: mine.yaml\n    emotion: curiosity")))
+    assert [item.emotion for item in load_study(folder).exemplars][2] == "curiosity"
 
 
 @pytest.mark.parametrize(

@@ -1,3 +1,4 @@
+import json
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -111,6 +112,22 @@ def test_command_reports_and_exits_by_what_it_finds(capsys) -> None:
     settings = ["--set", "duration=2", "--set", "snapshots=null", "--set", "robot.limits={wheel_max: 0.3}"]
     assert main(["check-platform", "anger", "-p", "robotarium-today", *settings]) == 1
     assert "FAILS  fastest wheel:" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name", "failed"),
+    [
+        (["sadness"], "robotarium/sadness", []),
+        (["robotarium-today/anger", "--set", "robot.limits={wheel_max: 0.3}"], None, ["fastest wheel"]),
+    ],
+)
+def test_command_reports_as_json(arguments, name, failed, capsys) -> None:
+    short = ["--set", "duration=2", "--set", "snapshots=null", "--json"]
+    assert main(["check-platform", *arguments, *short]) == bool(failed)
+    said = json.loads(capsys.readouterr().out)
+    assert (said["scene"], said["holds"]) == (name or arguments[0], not failed)
+    assert said["platform"] == said["scene"].split("/")[0]
+    assert [check["name"] for check in said["checks"] if not check["holds"]] == failed
 
 
 @pytest.mark.parametrize(

@@ -95,12 +95,17 @@ def test_a_broken_item_is_named_and_not_called_too_few(key, corners, expected):
         ("anger", {"video.trails.fade": True}, "video.trails.fade: true: a trail that stays for ever cannot fade"),
         ("anger", {"robot.l": 1e-7}, "robot.l: 1e-07: expected at least a micrometre, 1e-06"),
         ("robotarium/anger", {"safety.period": 0.02}, "safety.period: 0.02: expected a whole number of times in the"),
+        (
+            "robotarium/anger",
+            {"robot.model": "single_integrator", "robot.limits": None, "robot.l": None, "snapshots": None},
+            "safety.kind: barrier: it has to know the motors; expected robot.limits of v_max",
+        ),
     ],
 )
 def test_keys_that_go_with_others_only_are_refused(source, keys, expected):
     with pytest.raises(SceneError) as caught:
         load_scene(source, keys)
-    assert str(caught.value).startswith(expected)
+    assert f"{caught.value.key}: {caught.value.message}".startswith(expected)
 
 
 @pytest.mark.parametrize(

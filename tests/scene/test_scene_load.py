@@ -356,3 +356,44 @@ def test_keys_are_replaced_by_a_mapping_too_and_a_wrong_one_is_named() -> None:
     assert load_scene("anger", {"robot.l": 0.002, "video": {"fps": 5}}).video.fps == 5
     with pytest.raises(SceneError, match=r"^robot\.k: unknown key \(did you mean robot\.K\?\)$"):
         load_scene("anger", {"robot.k": 2})
+
+
+OF_ITS_OWN = f"{SHORT}snapshots: [0, 5, 15]\n"
+
+
+@pytest.mark.parametrize(
+    ("duration", "snapshots"), [(15, (0, 5, 15)), (20, (0, 5, 15)), (9, (0, 5, 9)), (5, (0, 5)), (0.5, (0, 0.5))]
+)
+def test_a_run_made_shorter_from_outside_ends_with_its_last_snapshot(duration, snapshots) -> None:
+    scene = parse_scene(OF_ITS_OWN, "my.yaml", [Setting("duration", duration, "--set")])
+    assert scene.snapshots == snapshots
+    assert scene_digest(parse_scene(scene_text(scene), "resolved")) == scene_digest(scene)
+
+
+def test_a_snapshot_after_the_end_that_stands_beside_it_is_a_mistake() -> None:
+    def said(text: str, *settings: Setting) -> str:
+        with pytest.raises(SceneError) as caught:
+            parse_scene(text, "my.yaml", settings)
+        return str(caught.value)
+
+    shorter, late = Setting("duration", 4, "--set duration=4"), Setting("snapshots", [0, 16], "--set snapshots=[0, 16]")
+    beyond = "expected at most the duration"
+    wrong = OF_ITS_OWN.replace("15]", "16]")
+    assert said(wrong) == f"my.yaml:19: snapshots.2: 16: {beyond}, 15"
+    assert said(wrong, shorter) == f"my.yaml:19: snapshots.1: 5: {beyond}, 4"
+    assert said(SHORT, late) == f"--set snapshots=[0, 16]: snapshots.1: 16: {beyond}, 15"
+    assert said(OF_ITS_OWN, late, shorter) == f"--set snapshots=[0, 16]: snapshots.1: 16: {beyond}, 4"
+    one = Setting("snapshots.1", 6, "--set snapshots.1=6")
+    assert said(OF_ITS_OWN, shorter, one) == f"--set snapshots.1=6: snapshots.1: 6: {beyond}, 4"
+
+
+@pytest.mark.parametrize(
+    ("snapshots", "duration", "said"),
+    [("[0, 12, 9]", 10, "snapshots.2: 9: expected more than the one before, 10"),
+     ("[0, late]", 10, "snapshots.1: 'late': expected a number"), ("[]", 10, "snapshots: []: expected at least 1"),
+     ("12", 10, "snapshots: 12: expected a list"), ("[0, 12]", -1, "duration: -1: expected more than 0"),
+     ("[0, 12]", "short", "duration: 'short': expected a number")],
+)  # fmt: skip
+def test_a_shorter_run_hides_no_other_mistake(snapshots, duration, said) -> None:
+    with pytest.raises(SceneError, match=rf"^\S+: {re.escape(said)}"):
+        parse_scene(f"{SHORT}snapshots: {snapshots}\n", "my.yaml", [Setting("duration", duration, "--set")])

@@ -48,10 +48,13 @@ def test_csv_has_a_row_for_each_sample_and_robot(run, tmp_path) -> None:
     save_trajectory(run, tmp_path / "run.csv")
     with (tmp_path / "run.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert list(rows[0]) == ["time", "robot", "x", "y", "heading"]
+    assert list(rows[0]) == ["time", "robot", "x", "y", "heading", "v", "omega"]
     assert len(rows) == 9 * 15
     values = np.array([[float(row[key]) for key in ("x", "y", "heading")] for row in rows]).reshape(9, 15, 3)
     assert np.array_equal(values, run.poses)  # every digit
+    held = np.array([[float(row[key]) for key in ("v", "omega")] for row in rows[:-15]]).reshape(8, 15, 2)
+    assert np.array_equal(held, run.commands)
+    assert {row[key] for row in rows[-15:] for key in ("v", "omega")} == {""}  # none after the last sample
     assert [int(row["robot"]) for row in rows[:15]] == list(range(1, 16))
 
 

@@ -1,3 +1,5 @@
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -68,6 +70,26 @@ def test_listed_bodies_may_not_overlap(make_scene) -> None:
     scene = make_scene("fear", {"robots": 2, "start": {"place": "poses", "poses": poses}})
     with pytest.raises(SceneError, match=r"robots 1 and 2 would start 30 mm apart, and need 43.3 mm"):
         start_poses(scene, rng())
+
+
+def test_what_is_too_near_is_said_in_digits_that_show_it(make_scene) -> None:
+    keys = {"robots": 14, "behaviour.R": 0.08815, "robot.l": 0.005}
+    scene = make_scene("sadness", keys)
+    behind = keys["robot.l"] - scene.robot.body.disc[0]
+    apart = 2 * np.hypot(keys["behaviour.R"], behind) * np.sin(np.pi / 14)  # a chord of the circle of middles
+    with pytest.raises(SceneError) as caught:
+        start_poses(scene, rng())
+    found, needed = map(float, re.search(r"start (\S+) mm apart, and need (\S+) mm$", str(caught.value)).groups())
+    assert found < needed
+    assert found == pytest.approx(1000 * apart, abs=5e-4)
+
+
+def test_a_look_ahead_that_brings_robots_on_a_ripple_together_is_named(make_scene) -> None:
+    keys = {"robots": 18, "behaviour.R": 0.12, "behaviour.A": 0.06}
+    message = r"robots 2 and 3 would start 37\.2 mm apart, and need 39\.3 mm; all would fit with a robot\.l near 0$"
+    with pytest.raises(SceneError, match=message):
+        start_poses(make_scene("happiness", keys | {"robot.l": 0.02}), rng())
+    start_poses(make_scene("happiness", keys | {"robot.l": 0.0001}), rng())
 
 
 def test_darts_are_not_thrown_for_ever(make_scene, monkeypatch) -> None:

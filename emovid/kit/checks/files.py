@@ -8,6 +8,8 @@ from emovid.kit.checks.hints import Hints
 from emovid.kit.read import Kit
 from emovid.kit.secret import is_code
 
+_OTHER_TIME = "has another time than the other files; copy a kit with cp -a, or build it again with its seed"
+
 
 def check_files(kit: Kit) -> Iterator[Finding]:
     """Check that the public folder holds the manifest and the videos it lists, and nothing else."""
@@ -28,7 +30,7 @@ def check_names(kit: Kit, hints: Hints) -> Iterator[Finding]:
     """Check that no public file, folder or code is called by an emotion, and that codes are random ones."""
     for path in sorted(kit.folder.public.rglob("*")):
         if named := hints.in_text(path.name):
-            yield Finding("names", str(path.relative_to(kit.folder.path)), f"names {', '.join(sorted(named))}")
+            yield Finding("names", str(path.relative_to(kit.folder.path)), "names an emotion", tuple(sorted(named)))
     for code in kit.manifest.codes:
         if not is_code(code):
             yield Finding("names", code, "not one of emovid's random codes")
@@ -43,7 +45,7 @@ def check_times(kit: Kit) -> Iterator[Finding]:
     usual = max(set(times.values()), key=list(times.values()).count)
     for path, time in times.items():
         if time != usual:
-            yield Finding("times", str(path.relative_to(kit.folder.path)), "has another time than the other files")
+            yield Finding("times", str(path.relative_to(kit.folder.path)), _OTHER_TIME)
 
 
 def check_rights(kit: Kit) -> Iterator[Finding]:

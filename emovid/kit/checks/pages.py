@@ -52,7 +52,7 @@ def check_pages(kit: Kit, hints: Hints) -> Iterator[Finding]:
                 if named and not hints.labels <= named:  # all labels together are the list of answers
                     told.setdefault(match[0], set()).update(named)
         for code, named in told.items():
-            yield Finding("pages", where, f"names {', '.join(sorted(named))} beside {code}")
+            yield Finding("pages", where, f"names an emotion beside {code}", tuple(sorted(named)))
         first = list(dict.fromkeys(match[0] for match in found))
         is_order = path.suffix == ".csv" and "position" in text.partition("\n")[0].split(",")
         if first != sorted(first) and not is_order:
@@ -62,16 +62,18 @@ def check_pages(kit: Kit, hints: Hints) -> Iterator[Finding]:
 def check_secrets(kit: Kit) -> Iterator[Finding]:
     """Check that nothing public holds a private text, or the digest of a public scene or of its run."""
     private = {name: _content(path) for name, path in (("seed", kit.folder.seed), ("salt", kit.folder.salt))}
-    secrets = {text: f"the private {name}" for name, text in private.items() if len(text) >= 8}
+    secrets: dict[str, tuple[str, tuple[str, ...]]] = {
+        text: (f"holds the private {name}", ()) for name, text in private.items() if len(text) >= 8
+    }
     for emotion in EMOTIONS:
         scene, run = _digests(emotion)
-        secrets |= {scene: f"the digest of the public scene {emotion}"}
-        secrets |= {run: f"the digest of the run of the public scene {emotion}"}
+        secrets[scene] = "holds the digest of a public scene", (emotion,)
+        secrets[run] = "holds the digest of the run of a public scene", (emotion,)
     for path in sorted(path for path in _shown(kit) if path.is_file()):
         data = path.read_bytes()
-        for text, name in secrets.items():
+        for text, (message, emotions) in secrets.items():
             if text.encode() in data:
-                yield Finding("secrets", str(path.relative_to(kit.folder.path)), f"holds {name}")
+                yield Finding("secrets", str(path.relative_to(kit.folder.path)), message, emotions)
 
 
 @cache

@@ -43,7 +43,7 @@ def check_scenes(kit: Kit) -> Iterator[Finding]:
         shown = _drawn(name, like.frames, like.fps, f"{like.width}x{like.height}")
         for file, pictures in decoded.items():
             if likeness(pictures, shown, stage) > _SAME:
-                yield Finding("scenes", file, f"shows the run of the public scene {name}")
+                yield Finding("scenes", file, "shows the run of a public scene", (name,))
 
 
 def likeness(first: Sequence[Picture], second: Sequence[Picture], stage: Picture) -> float:

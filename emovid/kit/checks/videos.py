@@ -42,7 +42,7 @@ def check_content(kit: Kit, hints: Hints) -> Iterator[Finding]:
             box.body for box in found if box.kind not in ("mdat", "moov", "trak", "mdia", "minf", "stbl")
         )
         if named := hints.in_bytes(outside):
-            yield Finding("strings", video.file, f"names {', '.join(sorted(named))}")
+            yield Finding("strings", video.file, "names an emotion", tuple(sorted(named)))
 
 
 def check_decoding(kit: Kit) -> Iterator[Finding]:
