@@ -103,10 +103,13 @@ def _of_exports(
     from emovid.study.analyze import analyze as run
     from emovid.study.read import read_responses
 
-    chosen = [label.strip() for label in labels.split(",")] if labels is not None else None
-    responses = read_responses(sources, key=key, mapping=mapping, labels=chosen, groups=by)
+    responses = read_responses(sources, key=key, mapping=mapping, labels=_labels(labels), groups=by)
     inputs = [asdict(source) for source in responses.sources]
     return run(responses, by, seed) | {"provenance": _provenance(inputs, key, seed)}, responses
+
+
+def _labels(said: str | None) -> list[str] | None:
+    return None if said is None else [label.strip() for label in said.split(",")]
 
 
 def _provenance(inputs: list[dict[str, Any]], key: Path | None, seed: int) -> dict[str, Any]:
@@ -132,11 +135,15 @@ def _show(results: Mapping[str, Any], responses: "Responses | None", output: Pat
     from rich.console import Console
     from rich.table import Table
 
+    from emovid.cli.tables import show_table
+
     console = Console(highlight=False, markup=False)
     say = partial(console.print, soft_wrap=True)  # a line stays one line, however long its path
     if responses is not None:
         for source in responses.sources:
             say(f"{source.file}: {source.dialect}, {source.participants} participants")
+        for note in responses.notes():
+            say(note)
         for item in responses.rejected[:_SHOWN]:
             where = f"{item.file}:{item.row}" if item.row else item.file
             value = repr(item.value) if item.value else ""
@@ -151,12 +158,13 @@ def _show(results: Mapping[str, Any], responses: "Responses | None", output: Pat
     )
     for name, fit in results["goodness_of_fit"].items():
         tests.add_row(name, *_test_cells(fit, results["recognition"][name]))
-    console.print(matrix, tests)
+    show_table(matrix)
+    show_table(tests)
     if results["warnings"]:
         warnings = Table("warnings", box=box.SIMPLE)
         for warning in results["warnings"]:
             warnings.add_row(warning)
-        console.print(warnings)
+        show_table(warnings)
     say(f"results in {output}: report.html, results.json, tables and figures")
 
 
@@ -183,6 +191,7 @@ def columns(
     source: Annotated[Path, typer.Argument(metavar="EXPORT", help="A survey's export, or a folder of them.")],
     key: Key = None,
     mapping: Map = None,
+    labels: Labels = None,
 ) -> None:
     """Show what is detected in an export, and then, on its own, a map.yaml to edit.
 
@@ -190,8 +199,9 @@ def columns(
     """
     from emovid.study.describe import describe_columns
 
-    found = describe_columns(source, key, mapping)
-    typer.echo(f"# {found.file}: {found.dialect}" + (f"; {found.problem}" if found.problem else ""))
+    found = describe_columns(source, key, mapping, _labels(labels))
+    said = "; ".join(part for part in (found.dialect, found.problem) if part)
+    typer.echo(f"# {found.file}: {said}")
     for column in found.columns:
         name = " ".join(f"{column.name} ({column.text})".removesuffix(" ()").split())  # a question may have lines
         typer.echo(f"# {column.role or 'not used':<12} {name}: {', '.join(map(repr, column.examples))}")
@@ -209,23 +219,31 @@ def compare(
     Example: emovid study compare original/results.json results/results.json
     """
     from emovid.study import apa
+    from emovid.study.analyze import in_json
+    from emovid.study.compare import aligned
     from emovid.study.compare import compare as run
     from emovid.study.matrix import read_results
 
-    first, labels, signalled = read_results(original)
-    second, other_labels, other_signalled = read_results(replication)
-    if (labels, signalled) != (other_labels, other_signalled):
-        raise InputError(f"{replication}: other labels than {original}: expected {', '.join(labels)}")
+    studies = read_results(original), read_results(replication)
+    try:
+        first, second, signalled = aligned(*studies)
+    except ValueError:
+        labels = ", ".join(studies[0][1])
+        raise InputError(f"{replication}: other labels than {original}: expected {labels}") from None
     found = run(first, second, seed)
     if as_json:
         from dataclasses import asdict
 
         named = dict(zip(signalled, map(asdict, found.videos), strict=True))
-        typer.echo(json.dumps(asdict(found) | {"videos": named, "apa": apa.compared(found)}, indent=2))
+        said = in_json(asdict(found) | {"videos": named, "apa": apa.compared(found)})
+        typer.echo(json.dumps(said, indent=2, allow_nan=False))
         return
     for name, video in zip(signalled, found.videos, strict=True):
-        low, high, points = (100 * value for value in (video.ci_low, video.ci_high, video.difference))
         rates = f"{video.hits[0]}/{video.n[0]} and {video.hits[1]}/{video.n[1]}"
+        if not all(video.n):
+            typer.echo(f"{name:<11}{rates:<19}no answers to compare")
+            continue
+        low, high, points = (100 * value for value in (video.ci_low, video.ci_high, video.difference))
         holm = apa.p_value(video.p_holm, "Holm p")
         typer.echo(f"{name:<11}{rates:<19}{points:+6.1f} points [{low:+.1f}, {high:+.1f}], {holm}")
     typer.echo(f"whole matrix: {apa.compared(found)}")

@@ -13,11 +13,12 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from emovid.study import apa
-from emovid.study.circumplex import near_neighbours
+from emovid.study.circumplex import ANGLES, near_neighbours
 from emovid.study.dependence import agreement, label_use, videos_differ
 from emovid.study.dialects.people import MOST_LEVELS
 from emovid.study.goodness import adjusted_residuals, goodness_by_video
 from emovid.study.groups import MIN_GROUP, levels_of, rates_differ, scores_differ
+from emovid.study.labels import NONE
 from emovid.study.matrix import percent
 from emovid.study.recognition import AROUSAL, VALENCE, Collapsed, collapse, recognise, unbiased_hit_intervals
 from emovid.study.responses import Responses
@@ -85,7 +86,7 @@ def _matrix_results(counts: Counts, labels: Sequence[str], signalled: Sequence[s
         "emotions": list(signalled),
         "labels": list(labels),
         **_block(counts, signalled, seed),
-        "adjusted_residuals": _plain(adjusted_residuals(counts)),
+        "adjusted_residuals": in_json(adjusted_residuals(counts)),
         "collapsed": {name: _collapsed(found) for name, found in by_pole.items() if found.videos},
         "near_neighbours": _said(near_neighbours(counts, labels), apa.near_neighbours),
     }
@@ -105,7 +106,7 @@ def _block(counts: Counts, signalled: Sequence[str], seed: int) -> Block:
     return {
         "n_responses": int(counts.sum()),
         "counts": counts.tolist(),
-        "percent": _plain(percent(counts)),
+        "percent": in_json(percent(counts)),
         "goodness_of_fit": {
             name: {**_said(fit, apa.goodness), "apa_exact": apa.goodness_exact(fit)}
             for name, fit in zip(signalled, fits, strict=True)
@@ -166,7 +167,7 @@ def _order(responses: Responses, choices: Counts, seed: int) -> Block | None:
 
 def _warnings(results: Block) -> list[str]:
     """Return what the statistics of the whole study warn of, and those of small groups."""
-    said = list(_fit_warnings(results))
+    said = [*_label_warnings(results), *_fit_warnings(results)]
     for column, levels in results.get("groups", {}).items():
         small = [level for level, block in levels.items() if block["n_participants"] < MIN_GROUP]
         if small:
@@ -178,6 +179,19 @@ def _warnings(results: Block) -> list[str]:
             "answers of one participant depend on each other: tests across videos permute or resample participants"
         )
     return said
+
+
+def _label_warnings(results: Block) -> Iterable[str]:
+    """Yield what labels have that are other than the paper's six, each with a video of its own."""
+    without = [label for label in results["labels"] if label not in results["emotions"] and label != NONE]
+    if without:
+        yield f"no video stands for {', '.join(without)}: rows of the matrix without a column"
+    unplaced = [name for name in results["emotions"] if name not in ANGLES]
+    if unplaced:
+        yield (
+            f"{', '.join(unplaced)}: no known place on the circumplex, so there is no figure of it, and tests of "
+            "valence, arousal and near neighbours leave them out"
+        )
 
 
 def _fit_warnings(results: Block) -> Iterable[str]:
@@ -209,6 +223,7 @@ def _reading_warnings(responses: Responses, choices: Counts) -> Iterable[str]:
             f"{more} answers are a participant's second or later to one emotion: tests of single emotions take them as "
             "independent, those that take a participant's answers together leave them out"
         )
+    yield from responses.notes()
     if responses.rejected:
         yield f"{len(responses.rejected)} rows or cells were not used: see rejected.csv"
     if responses.dropped:
@@ -217,20 +232,20 @@ def _reading_warnings(responses: Responses, choices: Counts) -> Iterable[str]:
 
 def _said(test: Any, say: Callable[[Any], str]) -> Block:
     """Return a test's results, and beside them the sentence that reports it."""
-    return {**_plain(test), "apa": say(test)}
+    return {**in_json(test), "apa": say(test)}
 
 
-def _plain(value: Any) -> Any:
-    """Return a result in JSON's types."""
+def in_json(value: Any) -> Any:
+    """Return a result in JSON's types, None for what is no number."""
     if is_dataclass(value) and not isinstance(value, type):
-        return {name: _plain(item) for name, item in asdict(value).items()}
+        return {name: in_json(item) for name, item in asdict(value).items()}
     if isinstance(value, dict):
-        return {str(name): _plain(item) for name, item in value.items()}
+        return {str(name): in_json(item) for name, item in value.items()}
     if isinstance(value, list | tuple | np.ndarray):
-        return [_plain(item) for item in value]
+        return [in_json(item) for item in value]
     return _number(value)
 
 
 def _number(value: Any) -> Any:
-    plain = value.item() if isinstance(value, np.generic) else value
-    return None if isinstance(plain, float) and not math.isfinite(plain) else plain
+    single = value.item() if isinstance(value, np.generic) else value
+    return None if isinstance(single, float) and not math.isfinite(single) else single

@@ -10,6 +10,8 @@ from emovid.study.goodness import DRAWS
 from emovid.study.pairs import newcombe
 from emovid.study.recognition import holm
 
+Matrix = tuple[NDArray[np.int64], tuple[str, ...], tuple[str, ...]]  # counts, labels and signalled labels
+
 
 @dataclass(frozen=True)
 class VideoCompared:
@@ -91,6 +93,27 @@ def compare(original: NDArray[np.int64], replication: NDArray[np.int64], seed: i
         draws=DRAWS,
         seed=seed,
     )
+
+
+def aligned(first: Matrix, second: Matrix) -> tuple[NDArray[np.int64], NDArray[np.int64], tuple[str, ...]]:
+    """Return two matrices (counts, labels, signalled) with one order of labels, and their videos, of either.
+
+    A video that only one study has is a column of zeros in the other.
+
+    Raises:
+        ValueError: the studies' labels differ.
+    """
+    (_, labels, signalled), (_, other_labels, other_signalled) = first, second
+    if set(labels) != set(other_labels):
+        raise ValueError(f"labels {labels} and {other_labels} differ")
+    videos = (*signalled, *(name for name in other_signalled if name not in signalled))
+    order = (*videos, *(label for label in labels if label not in videos))
+    tables = []
+    for counts, rows, columns in (first, second):
+        table = np.zeros((len(order), len(videos)), dtype=np.int64)
+        table[np.ix_([order.index(row) for row in rows], [videos.index(name) for name in columns])] = counts
+        tables.append(table)
+    return tables[0], tables[1], videos
 
 
 def _video(

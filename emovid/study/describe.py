@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from emovid.study.dialects.columns import column, holds_answers
+from emovid.study.dialects.columns import answer_column, column, holds_answers, video_column
+from emovid.study.dialects.identity import likely_participant
 from emovid.study.dialects.people import PARTICIPANT
 from emovid.study.dialects.raw import ANSWER_TO, Known, Raw
 from emovid.study.dialects.registry import dialect_of
@@ -94,7 +95,11 @@ def _roles(table: Table, known: Known, raw: Raw | None) -> dict[str, str]:
         places = [column(table, title) for title in _groups(table, known, raw).values()]
         return {table.names[place]: "group" for place in places if place is not None} | dict(raw.roles)
     roles = {name: "answer?" for place, name in enumerate(table.names) if holds_answers(table, place, known)}
-    person = column(table, *PARTICIPANT)
+    video, person = video_column(table, known), column(table, *PARTICIPANT)
+    answer = answer_column(table, known, video)
+    if video is not None and answer is not None:  # a row for each answer
+        person = likely_participant(table, known, video, answer)
+        roles = {table.names[video]: "video?", table.names[answer]: "answer?"}
     return roles if person is None else roles | {table.names[person]: "participant?"}
 
 
@@ -107,12 +112,21 @@ def _column(table: Table, place: int, role: str) -> Column:
 
 def _map(table: Table, known: Known, raw: Raw | None, columns: Sequence[Column]) -> str:
     """Return a map.yaml with what was found; the words of answers that are no labels are listed to be given one."""
-    participant = next((c.name for c in columns if c.role.rstrip("?") == "participant"), "")
     places = [place for place, c in enumerate(columns) if c.role.startswith("answer")]
     answers = [table.cells[place] for place in places] if raw is None else [raw.answers["answer"]]
     words = sorted({number(str(word)) for cells in answers for word in cells.unique() if word})
     unknown = [word for word in words if known.labels.find(word) is None][:_MOST_CODES]
-    return map_text(participant, _videos(known, columns), _groups(table, known, raw), unknown)
+    return map_text(_named(columns), _videos(known, columns), _groups(table, known, raw), unknown)
+
+
+def _named(columns: Sequence[Column]) -> dict[str, str]:
+    """Return the columns of participants, and of videos and answers where each has one, by their key in the map."""
+    found = {c.role.rstrip("?"): c.name for c in reversed(columns)}
+    keys = {"participant": "participant"}
+    names = [c.name for c in columns]
+    if all(names.count(found.get(role, "")) == 1 for role in ("video", "answer")):
+        keys |= {"video": "video", "answer": "response"}
+    return {key: found[role] for role, key in keys.items() if role in found}
 
 
 def _groups(table: Table, known: Known, raw: Raw | None) -> dict[str, str]:

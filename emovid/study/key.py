@@ -28,7 +28,10 @@ def read_key(path: Path, labels: Labels) -> dict[str, str]:
         found, code = labels.find(emotion), code_of(written)
         if not found or found == NONE:
             hint = nearest(emotion, labels.signalled)
-            message = f"{quoted(emotion)} is no emotion{hint}; expected {', '.join(labels.signalled)}"
+            message = (
+                f"{quoted(emotion)} is no emotion{hint}; expected {', '.join(labels.signalled)}, or others by --labels "
+                "or the map's labels"
+            )
             raise StudyError(str(path), message, line, _EMOTION[0])
         if not code or code in key:
             message = f"{quoted(written)} stands twice" if code else "empty"

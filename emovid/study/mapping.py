@@ -14,7 +14,8 @@ from emovid.study.key import code_of, read_bytes
 from emovid.study.tables import utf8
 from emovid.yaml_text import read_yaml
 
-KEYS = ("participant", "videos", "answers", "groups", "drop", "labels")
+KEYS = ("participant", "video", "response", "videos", "answers", "groups", "drop", "labels")
+EACH_ROW = "each row"  # what `participant` says where no two rows are one person's
 _Places = Map[tuple[str | int, ...], str]
 
 
@@ -23,7 +24,9 @@ class Mapping:
     """What map.yaml says; columns are named as in the file, by their header or their question text.
 
     Attributes:
-        participant: the column that tells participants apart, or "".
+        participant: the column that tells participants apart, `EACH_ROW` where each row is another's, or "".
+        video: the column of videos in a table with a row for each answer, or "".
+        response: the column of answers in such a table, or "".
         videos: the code of each of these columns.
         in_order: or the codes of the columns that ask one question, in the order of the file.
         answers: the label of each cell; None where it counts as no answer.
@@ -34,6 +37,8 @@ class Mapping:
     """
 
     participant: str = ""
+    video: str = ""
+    response: str = ""
     videos: Map[str, str] = field(default_factory=dict)
     in_order: tuple[str, ...] = ()
     answers: Map[str, str | None] = field(default_factory=dict)
@@ -64,12 +69,20 @@ def read_mapping(path: Path) -> Mapping:
     return _mapping({key: value for key, value in values.items() if value is not None}, places)
 
 
-def map_text(participant: str, videos: Map[str, str] | list[str], groups: Map[str, str], answers: Sequence[str]) -> str:
-    """Return a map.yaml to edit: what was found in a file, and in comments what else can be said."""
-    known: dict[str, Any] = {}
-    if participant:
-        known["participant"] = participant
-    known["videos"] = videos or None
+def map_text(
+    named: Map[str, str], videos: Map[str, str] | list[str], groups: Map[str, str], answers: Sequence[str]
+) -> str:
+    """Return a map.yaml to edit: what was found in a file, and in comments what else can be said.
+
+    Args:
+        named: the columns of `participant`, `video` and `response`, those that were found.
+        videos: as in `Mapping`; left out where there is a column of videos.
+        groups: as there.
+        answers: cells that are no labels.
+    """
+    known: dict[str, Any] = dict(named)
+    if "video" not in named:
+        known["videos"] = videos or None
     known["answers"] = dict.fromkeys(answers) or None
     known["groups"] = dict(groups) or None
     text = yaml.safe_dump(known, sort_keys=False, allow_unicode=True, default_flow_style=False, width=10_000)
@@ -77,6 +90,8 @@ def map_text(participant: str, videos: Map[str, str] | list[str], groups: Map[st
 
 
 _COMMENTS = """\
+# participant: the column that tells participants apart, "each row" where no two rows are one person's
+# video, response: the columns of videos and of answers, in a table with a row for each answer
 # videos: a code for each column as above, or a list of codes for columns that ask one question, in their order
 # answers: the label of each cell above, none for "none of these", nothing for no answer
 # drop: {column: [values]} leaves out their participants
@@ -86,12 +101,19 @@ _COMMENTS = """\
 
 def _mapping(values: dict[str, Any], places: _Places) -> Mapping:
     videos, in_order = _codes(values, places)
+    if "video" in values and (videos or in_order):
+        message = "beside videos; expected one: video for a row for each answer, videos for a column for each video"
+        raise StudyError(places["video",], message, 0, "video")
+    if values.get("video") and values["video"] == values.get("response"):
+        raise StudyError(places["response",], "the column of videos, too; expected another", 0, "response")
     answers = {
         cell: None if label is None else _word(label, ("answers", cell), places)
         for cell, label in _table(values, "answers", places).items()
     }
     return Mapping(
         participant=_word(values.get("participant", ""), ("participant",), places),
+        video=_word(values.get("video", ""), ("video",), places),
+        response=_word(values.get("response", ""), ("response",), places),
         videos=videos,
         in_order=in_order,
         answers=answers,
@@ -133,7 +155,7 @@ def _table(values: dict[str, Any], key: str, places: _Places) -> dict[str, Any]:
 
 
 _SHAPES = {
-    "videos": "column: code, or a list of codes",
+    "videos": "column: code, or a list of codes (video names the one column of videos)",
     "answers": "cell: label",
     "groups": "name: column",
     "drop": "column: [values]",

@@ -17,6 +17,7 @@ from emovid.study.key import read_bytes, read_key
 from emovid.study.labels import NONE, Labels, plain
 from emovid.study.mapping import Mapping, read_mapping
 from emovid.study.responses import EMOTIONS, Rejected, Responses, Source
+from emovid.study.results_folder import is_of_analysis, is_results
 from emovid.study.settle import COLUMNS, settle
 from emovid.study.tables import Table, read_table, utf8
 from emovid.whole_files import reason
@@ -54,7 +55,8 @@ def read_responses(
     known = known_from(Path(key) if key else None, Path(mapping) if mapping else None, labels, groups)
     files, skipped = _read_all(paths, known, {Path(path).resolve() for path in (key, mapping) if path})
     if not files:
-        first = skipped[0] if skipped else Rejected(", ".join(map(str, paths)), 0, "", "", "no file here")
+        no_file = "no file here, those of an analysis aside"
+        first = skipped[0] if skipped else Rejected(", ".join(map(str, paths)), 0, "", "", no_file)
         raise StudyError(first.file, f"{first.reason}; expected an export of a survey" if not skipped else first.reason)
     _check_columns(known.mapping, files)
     found = _responses(files, known, skipped)
@@ -116,9 +118,11 @@ def _read_one(file: Path, known: Known) -> _Read:
 
 
 def files_in(folder: Path) -> list[Path]:
-    """Return the files of a folder and of those in it, in order of their names, hidden ones aside."""
+    """Return the files of a folder and of those in it by their names, hidden ones and those of an analysis aside."""
     try:
-        return sorted(file for file in folder.rglob("*") if file.is_file() and not file.name.startswith("."))
+        files = sorted(file for file in folder.rglob("*") if file.is_file() and not file.name.startswith("."))
+        analysed = {file.parent for file in files if file.name == "results.json" and is_results(file)}
+        return [file for file in files if not is_of_analysis(file, file.parent in analysed)]
     except OSError as error:
         raise StudyError(str(folder), f"cannot be read: {reason(error)}") from None
 
@@ -129,7 +133,8 @@ def _responses(files: list[_Read], known: Known, skipped: list[Rejected]) -> Res
     names = [file.source.file for file in files]
     parts = [raw.answers.assign(file=place) for place, raw in enumerate(raws)]
     together = pd.concat(parts, ignore_index=True) if any(map(len, parts)) else no_answers().assign(file=[])
-    answers, rejected = settle(together, replace(known, codes=known.codes or stated), names)
+    known = replace(known, codes=known.codes or stated)
+    answers, rejected = settle(together, known, names)
     dropped = Counter[str]()
     for raw in raws:
         dropped.update(raw.dropped)
@@ -138,12 +143,17 @@ def _responses(files: list[_Read], known: Known, skipped: list[Rejected]) -> Res
         raise _nothing_left(names[0], rejected, dropped)
     kept = answers.groupby("file")["participant"].nunique()
     offers_none = known.labels.offers_none or bool((answers["perceived"] == NONE).any())
+    stood_for = {*known.codes.values()} or {known.emotion(str(video)) or "" for video in together["video"].unique()}
+    signalled = tuple(label for label in known.labels.signalled if label in stood_for)
+    answers_only = [label for label in known.labels.signalled if label not in stood_for]
     return Responses(
-        signalled=known.labels.signalled,
-        labels=(*known.labels.signalled, *([NONE] if offers_none else [])),
+        signalled=signalled,
+        labels=(*signalled, *answers_only, *([NONE] if offers_none else [])),
         answers=answers[COLUMNS],
         participants=_participants(answers, raws, together, dropped),
-        sources=tuple(replace(file.source, participants=int(kept.get(i, 0))) for i, file in enumerate(files)),
+        sources=tuple(
+            replace(file.source, participants=int(kept.get(i, 0)), note=file.raw.note) for i, file in enumerate(files)
+        ),
         rejected=tuple(sorted(rejected, key=lambda row: (row.file, row.row))),
         dropped=dict(dropped),
     )

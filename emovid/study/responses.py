@@ -38,12 +38,14 @@ class Source:
         dialect: what it was recognised as, in words ("Google Forms", "long table").
         sha256: of its bytes.
         participants: kept from it.
+        note: what has to be known of who they are, or "".
     """
 
     file: str
     dialect: str
     sha256: str
     participants: int
+    note: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,9 +53,9 @@ class Responses:
     """The answers of a study.
 
     Attributes:
-        signalled: the labels that videos may stand for, in the order of the tables' columns.
-        labels: the answers that participants may give, in the order of the tables' rows: `signalled`, and "none" after
-            them if the survey had "none of these".
+        signalled: the labels that videos stand for, in the order of the tables' columns.
+        labels: the answers that participants may give, in the order of the tables' rows: `signalled`, after them those
+            that no video stands for, and last "none" if the survey had "none of these".
         answers: one row for each participant and video, with the columns `participant`, `video`, `signalled`,
             `perceived` (all text) and `position` (Int64, counted from 1; missing where the order is not known).
         participants: indexed by participant, one text column for each group (gender, robotics_background, age, ...).
@@ -70,6 +72,14 @@ class Responses:
     sources: tuple[Source, ...] = ()
     rejected: tuple[Rejected, ...] = ()
     dropped: dict[str, int] = field(default_factory=dict)
+
+    def notes(self) -> list[str]:
+        """Return what has to be known of who the participants are, files of one note in one line."""
+        files: dict[str, list[str]] = {}
+        for source in self.sources:
+            files.setdefault(source.note, []).append(source.file)
+        more = {note: f" and {len(names) - 1} more" if len(names) > 1 else "" for note, names in files.items()}
+        return [f"{names[0]}{more[note]}: {note}" for note, names in files.items() if note]
 
     def choices(self) -> NDArray[np.int64]:
         """Return the answers (participants, signalled) as places in `labels`, -1 where one is missing.

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from emovid.study.dialects.raw import Known
 from emovid.study.key import code_of
-from emovid.study.responses import Rejected
+from emovid.study.responses import EMOTIONS, Rejected
 
+_ABOUT_VIDEOS = ("no video", "unknown video")
 COLUMNS = ["participant", "video", "signalled", "perceived", "position"]
 
 
@@ -32,8 +33,8 @@ def settle(answers: pd.DataFrame, known: Known, files: Sequence[str]) -> tuple[p
     _, labels = _translated(answers["answer"], lambda text: ("", known.labels.find(text)))
     reasons = np.full(len(answers), "", dtype=object)
     _give(reasons, people == _place(names, ""), "no participant")
-    _give(reasons, codes == "", "no video")
-    _give(reasons, emotions == None, "unknown video")  # noqa: E711 - elementwise
+    _give(reasons, codes == "", _ABOUT_VIDEOS[0])
+    _give(reasons, emotions == None, _ABOUT_VIDEOS[1])  # noqa: E711 - elementwise
     _give(reasons, labels == "", "no answer")
     _give(reasons, labels == None, "no label")  # noqa: E711 - as above
     valid = reasons == ""
@@ -73,17 +74,27 @@ def _rejected(
     answers: pd.DataFrame, reasons: NDArray[np.object_], known: Known, files: Sequence[str]
 ) -> list[Rejected]:
     bad = answers[reasons != ""]
-    given = zip(bad["file"], bad["line"], bad["cell"], bad["video"], bad["answer"], reasons[reasons != ""], strict=True)
-    videos = f"expected {_some(known.codes)}" if known.codes else "expected an emotion, or a key"
+    why_bad = reasons[reasons != ""]
+    cells = np.where(np.isin(why_bad, _ABOUT_VIDEOS), bad["video_cell"], bad["cell"])
+    given = zip(bad["file"], bad["line"], cells, bad["video"], bad["answer"], why_bad, strict=True)
+    videos = f"expected {_some(known.codes)}" if known.codes else f"expected {_emotions(known)}, or a key"
     labels = f"expected {_some(known.labels.signalled)}"
     rejected = []
     for file, line, cell, video, answer, reason in given:
-        about = {"unknown video": (video, f"unknown video; {videos}"), "no label": (answer, f"no label; {labels}")}
+        about = {
+            _ABOUT_VIDEOS[0]: (video, reason),
+            _ABOUT_VIDEOS[1]: (video, f"unknown video; {videos}"),
+            "no label": (answer, f"no label; {labels}"),
+        }
         value, why = about.get(reason, (answer, reason))
         if reason == "no label" and any(mark.isdigit() for mark in answer):  # a choice's number or code
             why += "; map.yaml: answers can say what it means"
         rejected.append(Rejected(files[file], int(line), str(cell), str(value), why))
     return rejected
+
+
+def _emotions(known: Known) -> str:
+    return "an emotion" if known.labels.signalled == EMOTIONS else _some(known.labels.signalled)
 
 
 def _some(words: object) -> str:

@@ -17,9 +17,9 @@ NAMES = (*EMOTIONS, "pride", "shame", "calm", "boredom", "envy", "none")
 
 @st.composite
 def studies(draw: st.DrawFn) -> Responses:
-    size = draw(st.integers(2, 11))
+    size = draw(st.integers(1, 11))
     signalled = NAMES[:size]
-    labels = signalled + (("none",) if draw(st.booleans()) else ())
+    labels = NAMES[: draw(st.integers(max(size, 2), 11))] + (("none",) if draw(st.booleans()) else ())
     people = [f"p{i}" for i in range(draw(st.integers(1, 6)))]
     answer = st.tuples(
         st.sampled_from(people), st.sampled_from(signalled), st.sampled_from(labels), st.integers(1, size)

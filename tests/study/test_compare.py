@@ -4,12 +4,31 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import chi2, chi2_contingency, fisher_exact
 
-from emovid.study.compare import compare, homogeneity
+from emovid.study.compare import aligned, compare, homogeneity
 from emovid.study.goodness import DRAWS
 from emovid.study.pairs import newcombe
 
 A = np.array([[29, 8, 4], [5, 26, 4], [4, 0, 25], [7, 11, 12]])
 B = np.array([[14, 6, 8], [6, 10, 2], [4, 3, 9], [2, 5, 5]])
+LABELS, PAIR = ("fear", "anger", "none"), ("fear", "anger")
+
+
+def test_studies_with_other_videos_are_aligned_by_their_labels() -> None:
+    first = np.array([[3, 1], [1, 2], [0, 1]]), LABELS, PAIR
+    second = np.array([[5], [6], [7]]), ("anger", "none", "fear"), ("anger",)
+    original, replication, videos = aligned(first, second)
+    assert videos == PAIR
+    assert original.tolist() == first[0].tolist()
+    assert replication.tolist() == [[0, 7], [0, 5], [0, 6]]
+    back, forth, videos = aligned(second, first)
+    assert (videos, back.tolist()) == (("anger", "fear"), [[5, 0], [7, 0], [6, 0]])
+    assert forth.tolist() == [[2, 1], [1, 3], [1, 0]]
+    found = compare(original, replication)
+    assert found.videos[0].n == (4, 0)
+    with pytest.raises(ValueError, match="differ"):
+        aligned(first, (second[0], ("anger", "none", "sadness"), ("anger",)))
+
+
 MATRIX = st.lists(st.integers(0, 8), min_size=9, max_size=9).map(lambda cells: np.array(cells).reshape(3, 3))
 
 

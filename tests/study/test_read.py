@@ -9,11 +9,13 @@ from exports import CODES, COUNTS, EMOTIONS, EXPORTS, KEY, own, psychopy
 from emovid.errors import InputError
 from emovid.study.analyze import analyze
 from emovid.study.describe import describe_columns
+from emovid.study.dialects.registry import DIALECTS
 from emovid.study.errors import StudyError
 from emovid.study.read import read_responses
 
 HEAD = "participant,video,response,gender\n"
 SIX = "happiness, surprise, anger, fear, disgust, sadness"
+OTHERS = "or others by --labels or the map's labels"
 
 
 @pytest.fixture
@@ -73,11 +75,11 @@ def test_each_answer_that_does_not_count_has_its_row_and_reason(read) -> None:
     found = read(HEAD + "\n".join([*rows, "b,k2m9", "b,k2m9,fear,m"]) + "\n", KEY)
     assert reasons(found) == [
         (3, "response", "sad", "answered twice: the first counts"),
-        (4, "response", "nope", f"unknown video; expected {', '.join(CODES)}"),
+        (4, "video", "nope", f"unknown video; expected {', '.join(CODES)}"),
         (5, "response", "meh", f"no label; expected {SIX}"),
         (6, "response", "", "no answer"),
         (7, "response", "fear", "no participant"),
-        (8, "response", "fear", "no video"),
+        (8, "video", "", "no video"),
         (9, "", "b | k2m9", "ragged row: 2 cells where the header has 4"),
     ]
     assert found.answers[["participant", "perceived"]].to_numpy().tolist() == [["a", "happiness"], ["b", "fear"]]
@@ -91,11 +93,39 @@ def test_an_answer_that_is_refused_does_not_use_up_the_video(read) -> None:
 
 def test_none_of_these_is_a_row_of_its_own(read) -> None:
     found = read(HEAD + "a,anger,none of these,f\nb,anger,angry,m\n")
-    assert found.labels == (*EMOTIONS, "none")
-    assert found.signalled == EMOTIONS
-    assert found.counts()[[2, 6], 2].tolist() == [1, 1]
-    assert read(HEAD + "b,anger,angry,m\n").labels == EMOTIONS
+    others = tuple(label for label in EMOTIONS if label != "anger")
+    assert found.labels == ("anger", *others, "none")
+    assert found.counts()[:, 0].tolist() == [1, 0, 0, 0, 0, 0, 1]
+    assert read(HEAD + "b,anger,angry,m\n").labels == ("anger", *others)
     assert read(HEAD + "b,anger,angry,m\n", labels=["anger", "fear", "none"]).labels == ("anger", "fear", "none")
+
+
+def test_a_label_that_no_video_stands_for_is_a_row_without_a_column(read) -> None:
+    rows = "a,awe,sadness,f\na,fear,awe,f\nb,awe,awe,m\nb,fear,fear,m\n"
+    labels = ["sadness", "awe", "surprise", "fear", "none"]
+    found = read(HEAD + rows, labels=labels)
+    assert (found.signalled, found.labels) == (("awe", "fear"), ("awe", "fear", "sadness", "surprise", "none"))
+    assert found.counts().tolist() == [[1, 1], [0, 1], [1, 0], [0, 0], [0, 0]]
+    results = analyze(found)
+    assert {*results["recognition"]} == {*results["goodness_of_fit"]} == {"awe", "fear"}
+    assert {*results["groups"]["gender"]["f"]["recognition"]} == {"awe", "fear"}
+    holm = [results["recognition"][name]["p_holm"] for name in ("awe", "fear")]
+    assert holm == pytest.approx([2 * (1 - 0.8**2)] * 2)  # 1 of 2 hits at chance 1 / 5, over two videos and no more
+    assert results["recognition"]["awe"]["chance"] == 1 / 5  # it may be answered all the same
+    assert not any("missing" in warning or "no answers" in warning for warning in results["warnings"])
+    assert "no video stands for sadness, surprise: rows of the matrix without a column" in results["warnings"]
+    keyed = read(HEAD + "a,m1,sadness,f\n", "video_code,true_emotion\nm1,awe\nm2,fear\n", labels=labels)
+    assert keyed.signalled == ("awe", "fear")  # the key has a video of fear, though nobody answered
+    assert "fear: no answers to a video of it" in analyze(keyed)["warnings"]
+
+
+def test_what_the_circumplex_leaves_out_is_said(read) -> None:
+    said = analyze(read(HEAD + "a,awe,fear,f\na,fear,awe,f\n", labels=["awe", "fear"]))["warnings"]
+    assert (
+        "awe: no known place on the circumplex, so there is no figure of it, and tests of valence, arousal and near "
+        "neighbours leave them out"
+    ) in said
+    assert not any("circumplex" in line for line in analyze(read(HEAD + "a,fear,fear,f\n"))["warnings"])
 
 
 def test_labels_of_the_map_and_of_the_caller(read) -> None:
@@ -253,12 +283,12 @@ def test_files_of_one_participant_each_add_up(tmp_path) -> None:
          f"x.csv:2: response: '1' no label; expected {SIX}; map.yaml: answers can say what it means (2 cells or rows "
             "rejected); see emovid study columns"),
         (HEAD + "a,z8,fear,f\n",
-         "x.csv:2: response: 'z8' unknown video; expected an emotion, or a key; see emovid study columns"),
+         "x.csv:2: video: 'z8' unknown video; expected an emotion, or a key; see emovid study columns"),
         ("participant,video,response,status\na,anger,angry,test\n",
          "x.csv: no participant is left (1 test run); expected answers"),
         ("Timestamp,Which?,Which?\n1/2/2026 9:00,angry,sad\n",
          "x.csv:1: 2 columns ask one question ('Which?' ...), none named by an emotion; expected a key, or map.yaml: "
-         "videos"),
+         "videos (or video and response, if each row is one answer)"),
         ("id,Anger,my anger\n1,sad,angry\n",
          "x.csv:1: columns 'Anger' and 'my anger' both name the video anger; expected one: say which in map.yaml: "
          "videos"),
@@ -276,7 +306,11 @@ def test_a_file_that_cannot_be_understood_is_refused_in_one_line(refusal, text, 
 def test_an_unknown_file_is_told_what_was_looked_for(refusal) -> None:
     message = refusal("name,town\nAda,London\n")
     assert message.startswith("x.csv:1: no export known here: columns 'name', 'town'; looked for the headers of Qualtr")
-    assert message.endswith("expected one of them, a key, or map.yaml: videos and answers")
+    assert message.endswith(
+        "looked for the headers of " + ", ".join(dialect.name for dialect in DIALECTS[:-2]) + ", and for emotions in a "
+        "column of videos or in the names of columns; expected a key, or map.yaml: video and response (a row for each "
+        "answer) or videos (a column for each video)"
+    )
     assert "\n" not in message
 
 
@@ -289,9 +323,9 @@ KEYS = [
      "key.txt:3: video_code: 'Z.mp4' stands twice; expected a code for each video"),
     ("video_code,true_emotion\n,anger\n", "key.txt:2: video_code: empty; expected a code for each video"),
     ("video_code,true_emotion\nz,angr\n",
-     f"key.txt:2: true_emotion: 'angr' is no emotion (did you mean anger?); expected {SIX}"),
+     f"key.txt:2: true_emotion: 'angr' is no emotion (did you mean anger?); expected {SIX}, {OTHERS}"),
     ("video_code,true_emotion\nz\n", "key.txt:2: ragged row: 1 cells where the header has 2; expected 2"),
-    ("video_code,true_emotion\nz,none\n", f"key.txt:2: true_emotion: 'none' is no emotion; expected {SIX}"),
+    ("video_code,true_emotion\nz,none\n", f"key.txt:2: true_emotion: 'none' is no emotion; expected {SIX}, {OTHERS}"),
 ]  # fmt: skip
 
 
@@ -301,14 +335,22 @@ def test_a_key_that_cannot_be_meant(refusal, key, message) -> None:
 
 
 MAPS = [
-    (" \n", "map.yaml: empty; expected some of participant, videos, answers, groups, drop, labels"),
-    ("- a\n", "map.yaml: no map; expected some of participant, videos, answers, groups, drop, labels"),
+    (" \n", "map.yaml: empty; expected some of participant, video, response, videos, answers, groups, drop, labels"),
+    ("- a\n", "map.yaml: no map; expected some of participant, video, response, videos, answers, groups, drop, labels"),
     ("\nparticipnt: a\n", "map.yaml:2: participnt: unknown key (did you mean participant?); "
-     "expected participant, videos, answers, groups, drop, labels"),
-    ("videos: 3\n", "map.yaml:1: videos: '3' given; expected column: code, or a list of codes"),
+     "expected participant, video, response, videos, answers, groups, drop, labels"),
+    ("videos: 3\n", "map.yaml:1: videos: '3' given; expected column: code, or a list of codes "
+     "(video names the one column of videos)"),
     ("videos: [[a]]\n", """map.yaml:1: videos.0: "['a']" given; expected a word""".replace('"', "'")),
     ("videos:\n  video:\n", "map.yaml:2: videos.video: no code; expected that of the video"),
     ("videos: [z8r4, '']\n", "map.yaml:1: videos.1: no code; expected that of the video"),
+    ("video: video\nvideos: {Q: a}\n",
+     "map.yaml:1: video: beside videos; expected one: video for a row for each answer, videos for a column for each "
+     "video"),
+    ("video: video\nresponse: video\n", "map.yaml:2: response: the column of videos, too; expected another"),
+    ("video: Clip\n", "x.csv:1: Clip: no such column; expected those of the map's video"),
+    ("response: respons\n",
+     "x.csv:1: respons: no such column (did you mean response?); expected those of the map's response"),
     ("drop:\n  gender:\n", "map.yaml:2: drop.gender.0: nothing given; expected a word"),
     ("answers:\n  1: {a: b}\n", "map.yaml:2: answers.1: '{'a': 'b'}' given; expected a word"),
     ("labels: joy\n", "map.yaml:1: labels: 'joy' given; expected a list"),
@@ -418,7 +460,7 @@ def test_files_that_are_not_there(tmp_path) -> None:
 def test_a_forgotten_key_is_said_even_if_test_runs_were_left_out(tmp_path) -> None:
     rows = "participant,video,response,status\n1,z8r4,fear,complete\n2,z8r4,fear,test\n"
     (tmp_path / "own.csv").write_text(rows)
-    with pytest.raises(StudyError, match=r"own.csv:2: response: 'z8r4' unknown video; expected an emotion, or a key"):
+    with pytest.raises(StudyError, match=r"own.csv:2: video: 'z8r4' unknown video; expected an emotion, or a key"):
         read_responses(tmp_path / "own.csv")
 
 

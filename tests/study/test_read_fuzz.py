@@ -5,12 +5,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
+import yaml
 from exports import EXPORTS, KEY
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from emovid.study.describe import describe_columns
 from emovid.study.errors import StudyError
+from emovid.study.mapping import KEYS
 from emovid.study.read import read_responses
 
 FILES = [
@@ -113,10 +115,12 @@ def test_any_bytes(data) -> None:
 
 @tolerant(80)
 @given(
-    st.lists(st.lists(st.sampled_from(WORDS), min_size=1, max_size=6), min_size=1, max_size=6), st.sampled_from(",;\t")
+    st.lists(st.lists(st.sampled_from(WORDS), min_size=1, max_size=6), min_size=1, max_size=6),
+    st.sampled_from(",;\t"),
+    st.dictionaries(st.sampled_from(["participant", "video", "response"]), st.sampled_from([*WORDS, "each row"])),
 )
-def test_any_table_of_the_tools_words(rows, delimiter) -> None:
-    check("\n".join(delimiter.join(row) for row in rows).encode())
+def test_any_table_of_the_tools_words(rows, delimiter, mapping) -> None:
+    check("\n".join(delimiter.join(row) for row in rows).encode(), yaml.safe_dump(mapping) if mapping else "")
 
 
 @tolerant(60)
@@ -145,7 +149,7 @@ def test_any_list_of_trials(trials) -> None:
 
 
 @tolerant(50)
-@given(st.text(max_size=80) | st.sampled_from(["videos", "answers", "groups", "drop", "labels"]).flatmap(
+@given(st.text(max_size=80) | st.sampled_from(KEYS).flatmap(
     lambda key: json_values.map(lambda value: f"{key}: {value!r}")
 ))  # fmt: skip
 def test_any_map(mapping) -> None:

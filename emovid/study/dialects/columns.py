@@ -20,12 +20,11 @@ _SAMPLE = 2000  # cells that tell what a column holds
 
 def column(table: Table, *names: str) -> int | None:
     """Return the place of the first of these names that is a header or question text, however it is spelled."""
-    for name in names:
-        for titles in (table.names, table.texts):
-            for place, title in enumerate(titles):
-                if plain(title) == plain(name):
-                    return place
-    return None
+    spelled: list[dict[str, int]] = [{}, {}]
+    for places, titles in zip(spelled, (table.names, table.texts), strict=True):
+        for place, title in enumerate(titles):
+            places.setdefault(plain(title), place)
+    return next((places[plain(name)] for name in names for places in spelled if plain(name) in places), None)
 
 
 def named(table: Table, title: str, key: str) -> int:
@@ -84,8 +83,17 @@ def holds_videos(table: Table, place: int, known: Known) -> bool:
     return share(table, place, lambda cell: known.emotion(cell) is not None) >= 0.5
 
 
+def check_named(table: Table, known: Known) -> None:
+    """Refuse a map whose columns of videos and answers are not there, or there twice (StudyError)."""
+    for key, title in (("video", known.mapping.video), ("response", known.mapping.response)):
+        if title:
+            named(table, title, key)
+
+
 def video_column(table: Table, known: Known, *first: str) -> int | None:
-    """Return the place of the column that holds video codes: a named one that does, any other, a named one."""
+    """Return the column that holds video codes: the map's; a named one that does, any other, a named one."""
+    if known.mapping.video:
+        return column(table, known.mapping.video)
     holding = [place for place in range(len(table.names)) if holds_videos(table, place, known)]
     place = _named_among(table, (*first, *VIDEO), holding)
     if place is None and known.codes and len(holding) == 1:
@@ -94,7 +102,9 @@ def video_column(table: Table, known: Known, *first: str) -> int | None:
 
 
 def answer_column(table: Table, known: Known, video: int | None, *first: str) -> int | None:
-    """Return the place of the column that holds answers: a named one that does, the only other one, a named one."""
+    """Return the column that holds answers: the map's; a named one that does, the only other one, a named one."""
+    if known.mapping.response:
+        return column(table, known.mapping.response)
     beside = {place for place, name in enumerate(table.names) if plain(name) in map(plain, TRUTH) or place == video}
     others = [place for place in range(len(table.names)) if place not in beside]
     holding = [place for place in others if holds_answers(table, place, known)]

@@ -4,7 +4,17 @@ from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
-from emovid.study.dialects.columns import POSITION, TRUTH, answer_column, column, holds_answers, says, video_column
+from emovid.study.dialects.columns import (
+    POSITION,
+    TRUTH,
+    answer_column,
+    check_named,
+    column,
+    holds_answers,
+    says,
+    video_column,
+)
+from emovid.study.dialects.identity import who_answered
 from emovid.study.dialects.people import PARTICIPANT, groups_of, who, without
 from emovid.study.dialects.raw import ANSWER_TO, Column, Known, Raw, answers_long, answers_wide
 from emovid.study.dialects.videos import about_videos, no_videos, positions, video_columns
@@ -33,14 +43,18 @@ def recognises_wide(table: Table, known: Known) -> bool:
     return bool(video_columns(table, known))
 
 
-def read_long(table: Table, known: Known, skip: Sequence[str] = ()) -> Raw:
-    """Read a table with a row for each answer; the columns of `skip` are no groups."""
-    people = who(table, known, *PARTICIPANT)
-    table, people = without(table, known, people, left_out(table))
+def read_long(
+    table: Table, known: Known, *ids: str, reasons: Mapping[str, Column] | None = None, skip: Sequence[str] = ()
+) -> Raw:
+    """Read a table with a row for each answer; arguments as in `read_wide`, but without `ids` see `who_answered`."""
+    check_named(table, known)
     video = video_column(table, known)
     answer = answer_column(table, known, video)
-    assert video is not None  # it was recognised by them
-    assert answer is not None
+    assert video is not None  # it was recognised by it, or is the map's
+    if answer is None:
+        raise StudyError(table.file, "no column of answers found; expected map.yaml: response: the column of them", 1)
+    people = who(table, known, *ids) if ids else who_answered(table, known, video, answer)
+    table, people = without(table, known, people, left_out(table, reasons))
     place = column(table, *POSITION)
     roles = {video: "video", answer: "answer", people.place: "participant", place: "order"}
     return Raw(
@@ -49,8 +63,9 @@ def read_long(table: Table, known: Known, skip: Sequence[str] = ()) -> Raw:
         table.rejected,
         people.dropped,
         {table.names[i]: role for i, role in roles.items() if i is not None},
-        people.place is None,
+        people.numbered,
         {} if known.codes else stated_codes(table, known, video),
+        people.note,
     )
 
 
@@ -66,6 +81,8 @@ def read_wide(
         reasons: rows whose participants are left out, see `people.without`.
         skip: columns of the tool that are no answers and no groups.
     """
+    if known.mapping.video:  # a form that was sent once for each video
+        return read_long(table, known, reasons=reasons, skip=skip)
     people = who(table, known, *(ids or PARTICIPANT))
     table, people = without(table, known, people, left_out(table, reasons))
     tools = {place for place, name in enumerate(table.names) if plain(name) in {plain(title) for title in skip}}
@@ -80,7 +97,7 @@ def read_wide(
         table.rejected,
         people.dropped,
         {table.names[i]: role for i, role in roles.items() if i is not None},
-        people.place is None,
+        people.numbered,
     )
 
 

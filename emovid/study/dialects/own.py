@@ -20,4 +20,4 @@ def recognises(table: Table, known: Known) -> bool:
 
 def read(table: Table, known: Known) -> Raw:
     """Read a table of our own survey; who has not submitted, and pilots, are left out and counted."""
-    return read_long(table, known, skip=RECORDED)
+    return read_long(table, known, FIRST[0], skip=RECORDED)

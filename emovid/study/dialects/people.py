@@ -1,7 +1,7 @@
 """Participants: who they are, which of them are left out, and the groups they belong to."""
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -11,27 +11,17 @@ from emovid.study.dialects.columns import column, named
 from emovid.study.dialects.raw import Column, Known
 from emovid.study.errors import StudyError
 from emovid.study.labels import number, plain
+from emovid.study.mapping import EACH_ROW
 from emovid.study.tables import Table
 
-PARTICIPANT = (
-    "participant",
-    "participant_id",
-    "participantid",
-    "participant_code",
-    "prolific_pid",
-    "prolific_id",
-    "worker_id",
-    "workerid",
-    "subject",
-    "subject_id",
-    "respondent",
-    "respondent_id",
-    "response_id",
-    "session",
-    "session_id",
-    "sessionid",
-    "id",
-)
+# What surveys call a person, and what may follow it: the likelier first.
+_PERSONS = (
+    "participant", "prolific", "worker", "subject", "subj", "respondent", "proband", "versuchsperson", "teilnehmer",
+    "vp", "vpn", "ppt", "pp", "person", "user", "observer", "rater", "judge",
+)  # fmt: skip
+_MARKS = ("", "_id", "id", "_code", "code", "_nr", "nr", "_no", "_number", "number", "_pid", "_name", "name")
+NUMBERS = ("response_id", "session", "session_id", "sessionid", "id")  # names that may number rows instead
+PARTICIPANT = (*(person + mark for person in _PERSONS for mark in _MARKS), "pid", "case", *NUMBERS)
 _TRAIT_WORDS = "gender sex age background robotics experience education country nationality language"
 # Words of columns that say something of the session, of a trial, or of the person that no table of a paper should hold.
 _PRIVATE_WORDS = (
@@ -40,7 +30,7 @@ _PRIVATE_WORDS = (
     "prolific pid worker assignment index file hash comment comments seconds rt "
     "plays choices confidence valence arousal"
 )
-_TRAITS, _PRIVATE = frozenset(_TRAIT_WORDS.split()), frozenset(_PRIVATE_WORDS.split())
+TRAITS, _PRIVATE = frozenset(_TRAIT_WORDS.split()), frozenset(_PRIVATE_WORDS.split())
 MOST_LEVELS = 12  # of a group
 
 
@@ -50,13 +40,17 @@ class People:
 
     Attributes:
         ids: of each row.
-        place: the column that names them, None where they are numbered.
+        place: the column that names them, None where there is none.
         dropped: participants whose rows are no more in the table, by reason.
+        numbered: whether they are the numbers of their rows.
+        note: as in `Raw`.
     """
 
     ids: Column
     place: int | None
     dropped: Mapping[str, int]
+    numbered: bool = False
+    note: str = ""
 
 
 def who(table: Table, known: Known, *names: str, alone: str = "") -> People:
@@ -72,12 +66,14 @@ def who(table: Table, known: Known, *names: str, alone: str = "") -> People:
         StudyError: if the map's column is not there.
     """
     said = known.mapping.participant
-    place = named(table, said, "participant") if said else column(table, *names)
+    each_row = said == EACH_ROW and column(table, said) is None
+    place = named(table, said, "participant") if said and not each_row else None if said else column(table, *names)
     if place is not None:
         return People(table.cells[place], place, {})
-    if alone:
+    if alone and not each_row:
         return People(pd.Series(alone, index=table.cells.index, dtype="str"), None, {})
-    return People(pd.Series(np.arange(1, len(table.lines) + 1).astype(str), index=table.cells.index), None, {})
+    numbers = pd.Series(np.arange(1, len(table.lines) + 1).astype(str), index=table.cells.index)
+    return People(numbers, None, {}, numbered=True)
 
 
 def without(table: Table, known: Known, people: People, reasons: Mapping[str, Column]) -> tuple[Table, People]:
@@ -105,7 +101,7 @@ def without(table: Table, known: Known, people: People, reasons: Mapping[str, Co
             dropped[reason] = dropped.get(reason, 0) + count
         out |= hit
     kept = ~out[codes]
-    return table.rows(kept), People(people.ids[kept].reset_index(drop=True), people.place, dropped)
+    return table.rows(kept), replace(people, ids=people.ids[kept].reset_index(drop=True), dropped=dropped)
 
 
 def groups_of(table: Table, known: Known, ids: Column, used: Collection[int | None] = ()) -> pd.DataFrame:
@@ -183,7 +179,7 @@ def _is_group(table: Table, place: int, codes: NDArray[np.intp]) -> bool:
     levels = cells[cells != ""].nunique()
     if not levels or title & _PRIVATE or not table.names[place]:
         return False
-    return bool(levels <= MOST_LEVELS or title & _TRAITS) and _is_constant(codes, cells)
+    return bool(levels <= MOST_LEVELS or title & TRAITS) and _is_constant(codes, cells)
 
 
 def _is_constant(codes: NDArray[np.intp], cells: Column) -> bool:

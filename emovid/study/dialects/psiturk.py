@@ -3,6 +3,7 @@
 import json
 import re
 from collections import Counter
+from dataclasses import replace
 from typing import Any
 
 from emovid.study.dialects.people import groups_of_pairs
@@ -49,7 +50,7 @@ def _trials(table: Table, rows: list[tuple[int, list[str]]], known: Known) -> Ra
     inner = table_of(table.file, [(0, names), *cells])
     raw = read_trials(inner, known, order=("trial_number",), ids=("uniqueid",), is_tool=lambda name: name == "phase")
     dropped.update(raw.dropped)
-    return Raw(raw.answers, raw.participants, (*table.rejected, *rejected), dropped, raw.roles)
+    return replace(raw, rejected=(*table.rejected, *rejected), dropped=dropped)
 
 
 def _object(data: str) -> dict[str, str] | None:

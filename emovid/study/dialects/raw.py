@@ -51,13 +51,15 @@ class Raw:
     """What one file says.
 
     Attributes:
-        answers: one row for each, with `participant`, `video`, `answer` (text), `position` (Int64), `line`, `cell`.
+        answers: one row for each, with `participant`, `video`, `answer` (text), `position` (Int64), `line`, and the
+            columns that the answer (`cell`) and the video (`video_cell`) stand in.
         participants: indexed by participant, one text column for each group.
         rejected: ragged rows.
         dropped: participants left out, by reason.
         roles: what columns were taken as.
         numbered: whether participants are the numbers of their rows, for want of a column that names them.
         codes: the emotion of each video, where the file itself says it.
+        note: what its reader has to know of who its participants are, or "".
     """
 
     answers: pd.DataFrame
@@ -67,6 +69,7 @@ class Raw:
     roles: Map[str, str] = field(default_factory=dict)
     numbered: bool = False
     codes: Map[str, str] = field(default_factory=dict)
+    note: str = ""
 
 
 def answers_wide(table: Table, ids: Column, videos: Map[int, str], positions: Map[str, Column]) -> pd.DataFrame:
@@ -81,6 +84,7 @@ def answers_wide(table: Table, ids: Column, videos: Map[int, str], positions: Ma
                 "position": positions.get(code, unknown),
                 "line": table.lines,
                 "cell": table.names[place],
+                "video_cell": table.names[place],
             }
         )
         for place, code in videos.items()
@@ -98,6 +102,7 @@ def answers_long(table: Table, ids: Column, video: int, answer: int, position: C
             "position": pd.NA if position is None else _places(ids, table.cells[video], whole_numbers(position)),
             "line": table.lines,
             "cell": table.names[answer],
+            "video_cell": table.names[video],
         }
     ).astype({"position": "Int64"})
 
@@ -118,9 +123,8 @@ def _places(ids: Column, videos: Column, numbers: Column) -> Column:
 
 def no_answers() -> pd.DataFrame:
     """Return a table of answers without rows."""
-    return pd.DataFrame(
-        {"participant": [], "video": [], "answer": [], "position": pd.array([], "Int64"), "line": [], "cell": []}
-    )
+    names = ("participant", "video", "answer", "position", "line", "cell", "video_cell")
+    return pd.DataFrame({name: [] for name in names}).astype({"position": "Int64"})
 
 
 def whole_numbers(column: Column) -> Column:

@@ -20,6 +20,7 @@ from emovid.study.dialects import (
     revisit,
     surveymonkey,
 )
+from emovid.study.dialects.columns import check_named, holds_answers, holds_videos, video_column
 from emovid.study.dialects.raw import Known, Raw
 from emovid.study.dialects.videos import no_videos
 from emovid.study.errors import StudyError, quoted
@@ -73,10 +74,35 @@ def dialect_of(table: Table, known: Known) -> Dialect:
 
 
 def _unrecognised(table: Table, known: Known) -> str:
+    check_named(table, known)
+    return _no_answers(table, known) or no_videos(table, known) or _nothing_known(table, known)
+
+
+def _no_answers(table: Table, known: Known) -> str:
+    """Return what a table with a row for each answer lacks, or "" if no column of videos is there."""
+    holding = [place for place in range(len(table.names)) if known.codes and holds_videos(table, place, known)]
+    video = video_column(table, known)
+    if video is None:
+        several = " and ".join(quoted(table.names[place]) for place in holding)
+        return f"columns {several} hold codes of the key; expected map.yaml: video: one of them" if several else ""
+    name, labels = quoted(table.names[video]), ", ".join(known.labels.signalled[:3])
+    answering = [place for place in range(len(table.names)) if place != video and holds_answers(table, place, known)]
+    if answering:
+        several = " and ".join(quoted(table.names[place]) for place in answering)
+        return f"videos in {name}, answers in {several}; expected map.yaml: response: one of them"
+    return (
+        f"videos in {name}, but no column holds answers ({labels}, ...); expected map.yaml: response: their column, "
+        "and answers: what its cells mean, or other --labels"
+    )
+
+
+def _nothing_known(table: Table, known: Known) -> str:
     names = ", ".join(quoted(name, 20) for name in table.names[:6])
-    return no_videos(table, known) or (
-        f"no export known here: columns {names}; looked for the headers of {_tools()}, a column of videos beside one "
-        "of answers, and columns named by video; expected one of them, a key, or map.yaml: videos and answers"
+    codes = f"the key's codes ({', '.join(list(known.codes)[:3])}, ...)" if known.codes else "emotions"
+    return (
+        f"no export known here: columns {names}; looked for the headers of {_tools()}, and for {codes} in a column of "
+        f"videos or in the names of columns; expected {'' if known.codes else 'a key, or '}map.yaml: video and "
+        "response (a row for each answer) or videos (a column for each video)"
     )
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from emovid.study.dialects.columns import answer_column, column, video_column
+from emovid.study.dialects.columns import answer_column, check_named, column, video_column
 from emovid.study.dialects.generic import left_out
 from emovid.study.dialects.people import PARTICIPANT, groups_of, who, without
 from emovid.study.dialects.raw import Column, Known, Raw, answers_long, ranks
@@ -43,6 +43,7 @@ def read_trials(
     """
     people = who(table, known, *ids, alone=Path(table.file).stem)
     table, people = without(table, known, people, left_out(table, reasons))
+    check_named(table, known)
     video = video_column(table, known, *videos)
     if video is None:
         raise StudyError(table.file, "no column of videos; expected one with the key's codes", 1)
@@ -65,6 +66,7 @@ def read_trials(
         table.rejected,
         people.dropped,
         {table.names[i]: role for i, role in roles.items() if i is not None},
+        people.numbered,
     )
 
 

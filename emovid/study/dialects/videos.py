@@ -128,7 +128,8 @@ def no_videos(table: Table, known: Known) -> str:
     what = "ask one question" if alone else "hold answers"
     where = "a code of the key" if known.codes else "an emotion"
     first = quoted(table.texts[holding[0]])
-    return f"{len(holding)} columns {what} ({first} ...), none named by {where}; expected a key, or map.yaml: videos"
+    said = f"{'' if known.codes else 'a key, or '}map.yaml: videos (or video and response, if each row is one answer)"
+    return f"{len(holding)} columns {what} ({first} ...), none named by {where}; expected {said}"
 
 
 def question(text: str) -> str:
