@@ -8,6 +8,7 @@ import sys
 import sysconfig
 import tomllib
 import zipfile
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -148,3 +149,9 @@ def test_a_wheel_carries_the_scenes_and_the_types_and_no_tests(wheel) -> None:
     assert not [name for name in files if name.startswith(("tests", "configs"))]
     ours = {str(path.relative_to(ROOT)) for path in (ROOT / "emovid").rglob("*") if path.is_file()}
     assert {name for name in ours if "__pycache__" not in name} <= files
+
+
+def test_no_two_modules_of_the_tests_have_one_name() -> None:
+    """Pytest imports them by their names alone; two of one name are an error that only a run of all shows."""
+    names = Counter(path.name for path in Path(__file__).parent.rglob("test_*.py"))
+    assert [name for name, count in names.items() if count > 1] == []
