@@ -1,5 +1,6 @@
 """sweep.yaml: what is read, what becomes of it, and the one line for what cannot be meant."""
 
+import re
 import shutil
 from pathlib import Path
 
@@ -249,3 +250,9 @@ def test_the_shipped_sweep_is_valid_and_explains_every_key() -> None:
     assert 1 < len(items(sweep)) <= sweep_module.MAX_ITEMS
     text = path.read_text()
     assert all(f"{key}:" in text for key in ("only", "scenes", "set", "list", "grid", "seeds"))
+
+
+def test_a_fault_within_a_scene_s_file_is_named_there(read, tmp_path) -> None:
+    (tmp_path / "mine.yaml").write_text("emotion: [fear\n")
+    with pytest.raises(SceneError, match=rf"^{re.escape(str(tmp_path))}/mine\.yaml:2: "):
+        read("scenes: [mine.yaml]\n")

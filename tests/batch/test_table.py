@@ -63,3 +63,12 @@ def test_without_pyarrow_there_is_no_parquet(tmp_path, monkeypatch) -> None:
 def test_a_sweep_with_nothing_finished_is_a_table_without_rows(tmp_path) -> None:
     write_results(tmp_path, [], {})
     assert (tmp_path / "results.csv").read_text() == "item,name\n"
+
+
+def test_values_of_several_kinds_are_words_in_parquet(tmp_path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    (tmp_path / "sweep.yaml").write_text("only: measure\nscenes: [fear, anger, sadness]\n")
+    found = items(read_sweep_file(tmp_path / "sweep.yaml"))
+    kinds = {item.name: {"descriptors": {"gait": gait}} for item, gait in zip(found, (1.5, "slow", None), strict=True)}
+    write_results(tmp_path, found, kinds)
+    assert parquet.read_table(tmp_path / "results.parquet")["gait"].to_pylist() == ["1.5", "slow", None]

@@ -312,3 +312,12 @@ def test_completion_is_installed_where_bash_finds_it(tmp_path) -> None:
     script = tmp_path / ".bash_completions" / "emovid.sh"
     assert f"source '{script}'" in (tmp_path / ".bashrc").read_text()
     assert "_EMOVID_COMPLETE=complete_bash" in script.read_text()
+
+
+def test_an_output_that_is_no_file_will_do() -> None:
+    inside = (
+        "import io, sys; sys.stdout = io.StringIO(); sys.argv[1:] = ['scene', 'list'];"
+        "from emovid.cli.main import run; run()"
+    )
+    done = subprocess.run([sys.executable, "-c", inside], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")

@@ -3,6 +3,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from terminal import on_a_terminal
 
 from emovid.cli.main import main
 from emovid.kit.load import load_study
@@ -156,3 +157,16 @@ def test_every_tool_gets_its_files(kit, capsys) -> None:
 def test_a_mistake_is_one_line_and_exit_code_2(kit, arguments, message, capsys) -> None:
     assert main(["study", *arguments]) == 2
     assert capsys.readouterr() == ("", message + "\n")
+
+
+def test_a_terminal_sees_how_far_the_frames_are() -> None:
+    said = on_a_terminal("study", "build", "study.yaml", "-o", "kit", "--participants", "6").decode()
+    assert "frames" in said
+    assert "30/30" in said
+    assert "kit: 6 videos, orders for 6 participants" in said
+
+
+def test_the_audit_says_nothing_of_orders_that_are_missing(kit, capsys) -> None:
+    (kit / "orders.csv").unlink()
+    assert main(["study", "audit", str(kit)]) == 1
+    assert "Orders:" not in capsys.readouterr().out

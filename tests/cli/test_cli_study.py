@@ -279,3 +279,10 @@ def test_a_mistake_is_one_line_and_leaves_nothing(tmp_path, capsys, arguments, m
     assert len(said.err.splitlines()) == 1
     assert message is None or said.err == message + "\n"
     assert list(tmp_path.iterdir()) == []
+
+
+def test_quiet_model_participants_are_only_written(tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["study", "simulate", "-o", "m.csv", "-q"]) == 0
+    assert capsys.readouterr() == ("", "")
+    assert (tmp_path / "m.csv").exists()

@@ -138,3 +138,9 @@ def test_a_missing_run_and_a_missing_folder_are_named(run, tmp_path) -> None:
         load_trajectory(tmp_path / "none.npz")
     with pytest.raises(EmovidError, match="cannot be written: no such file"):
         save_trajectory(run, tmp_path / "none" / "run.npz")
+
+
+def test_a_look_that_cannot_be_is_refused_by_its_own_name(run, tmp_path) -> None:
+    save_trajectory(run, tmp_path / "run.npz")
+    with pytest.raises(InputError, match=r"^--fps 0: video\.fps: 0: expected at least 1$"):
+        load_trajectory(tmp_path / "run.npz", [Setting("video.fps", 0, "--fps 0")])
