@@ -48,8 +48,9 @@ class _WordLoader(_Loader):
 
 
 for _name, _pattern, _first in _RESOLVERS:
-    for _reader in (_Loader, _WordLoader)[: 2 if _name == "null" else 1]:
-        _reader.add_implicit_resolver(_CORE + _name, re.compile(_pattern), _first)
+    _Loader.add_implicit_resolver(_CORE + _name, re.compile(_pattern), _first)
+    if _name == "null":
+        _WordLoader.add_implicit_resolver(_CORE + _name, re.compile(_pattern), _first)
 
 
 def read_yaml(text: str, where: str, what: str = "scene", as_words: bool = False) -> tuple[Any, dict[KeyPath, str]]:

@@ -31,7 +31,7 @@ def show_table(table: "Table", heads: int = 1) -> None:
 
 
 def _parts(table: "Table", heads: int, console: "Console") -> "list[Table]":
-    """Return the fewest parts of a table that fit beside each other's edge of the console, about equally wide."""
+    """Return the fewest parts, of about as many columns each, in which a table fits the console; else a column each."""
     first, others = table.columns[:heads], table.columns[heads:]
     parts = [table]
     for count in range(2, len(others) + 1):
