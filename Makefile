@@ -22,7 +22,7 @@ test: .venv/dev-installed
 	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile
 
 chaos: .venv/dev-installed
-	$(BIN)/python tests/chaos --table docs/chaos.md
+	$(BIN)/python -m tests.chaos --table docs/chaos.md
 	EMOVID_EXAMPLES=2000 $(BIN)/python -m pytest -q tests/chaos/test_fuzz.py
 
 coverage: .venv/dev-installed
@@ -56,7 +56,7 @@ docs: .venv/dev-installed gallery
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 golden: .venv/dev-installed
-	$(BIN)/python tests/figures/golden.py
+	$(BIN)/python -m tests.helpers.golden
 
 robotarium-table: .venv/installed
 	$(BIN)/python docs/make_robotarium.py docs

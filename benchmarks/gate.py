@@ -4,8 +4,8 @@ import os
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
+from emovid.measure.claim_metrics import evidence
 from emovid.measure.claims import Verdict, judge
-from emovid.measure.evidence import evidence
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, load_scene
 from emovid.swarm.simulate import simulate

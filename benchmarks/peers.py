@@ -39,7 +39,7 @@ from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.transforms import Affine2D
 
 from emovid import load_scene, simulate
-from emovid.looks import robot_parts, robot_rim, trailed_robots
+from emovid.video.robot_outlines import robot_parts, robot_rim, trailed_robots
 
 scene = load_scene("anger")
 run, colours, video = simulate(scene), scene.video.palette, scene.video

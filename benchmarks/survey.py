@@ -15,13 +15,13 @@ import numpy as np
 from playwright.sync_api import sync_playwright
 
 ROOT = Path(__file__).parent.parent
-sys.path.insert(0, str(ROOT / "tests" / "survey"))
+sys.path.insert(0, str(ROOT))
 
-from crowd import Crowd  # noqa: E402 - the crowd of the tests
-from killing import kill_under_load  # noqa: E402
-from participant import Participant  # noqa: E402
-from served import serving  # noqa: E402
-from small_survey import STUDY, small_kit  # noqa: E402
+from tests.helpers.crowd import Crowd  # noqa: E402 - the crowd of the tests
+from tests.helpers.killing import kill_under_load  # noqa: E402
+from tests.helpers.participant import Participant  # noqa: E402
+from tests.helpers.served import serving  # noqa: E402
+from tests.helpers.small_survey import STUDY, small_kit  # noqa: E402
 
 PEOPLE, ORDERS, KILLS, LENGTH = 200, 240, 50, 2.0  # s
 Row = tuple[str, str, bool]

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from emovid.errors import EmovidError, InputError
     from emovid.measure.describe import describe
+    from emovid.responses.read import read_responses
     from emovid.scene.load import load_scene
-    from emovid.study.analyze import analyze
-    from emovid.study.read import read_responses
+    from emovid.statistics.analyze import analyze
     from emovid.swarm.dataframe import to_dataframe
     from emovid.swarm.simulate import simulate
     from emovid.video.preview import show
@@ -29,10 +29,10 @@ __all__ = [
 _HOMES = {
     "EmovidError": "emovid.errors",
     "InputError": "emovid.errors",
-    "analyze": "emovid.study.analyze",
+    "analyze": "emovid.statistics.analyze",
     "describe": "emovid.measure.describe",
     "load_scene": "emovid.scene.load",
-    "read_responses": "emovid.study.read",
+    "read_responses": "emovid.responses.read",
     "render_video": "emovid.video.render",
     "show": "emovid.video.preview",
     "simulate": "emovid.swarm.simulate",

@@ -27,16 +27,25 @@ class InputError(EmovidError):
     exit_code = 2
 
 
-class SceneError(InputError):
-    """A scene that cannot be meant: where (`file:line` or the option), which key, what was given, what is expected."""
+class SourceError(InputError):
+    """Invalid content of a file or an option.
 
-    def __init__(self, where: str, key: str, message: str) -> None:
-        super().__init__(" ".join(": ".join(part for part in (where, key, message) if part).split()))
-        self.where, self.key, self.message = where, key, message
+    Attributes:
+        where: the file, or the option; alone, the whole message.
+        message: what was given, and after a semicolon what is expected.
+        line: the line in the file, counted from 1, or 0 for the file as a whole.
+        key: the key or the column, or "".
+    """
 
-    def __reduce__(self) -> tuple[type["SceneError"], tuple[str, str, str]]:
-        # An exception is rebuilt from its `args` when it crosses to another process; ours takes three.
-        return SceneError, (self.where, self.key, self.message)
+    def __init__(self, where: str, message: str = "", line: int = 0, key: str = "") -> None:
+        parts = (f"{where}:{line}" if line else where, shortened(key), message)
+        text = " ".join(": ".join(part for part in parts if part).split())
+        super().__init__("".join(char if char.isprintable() else "?" for char in text))
+        self.where, self.message, self.line, self.key = where, message, line, key
+
+    def __reduce__(self) -> tuple[type["SourceError"], tuple[str, str, int, str]]:
+        # An exception is rebuilt from its `args` when it crosses to another process; this one takes four.
+        return SourceError, (self.where, self.message, self.line, self.key)
 
 
 class RenderError(EmovidError):
@@ -48,6 +57,17 @@ def nearest(word: str, known: Iterable[str]) -> str:
     by_lower = {name.lower(): name for name in known}
     close = get_close_matches(word.lower(), by_lower, n=1, cutoff=0.6)
     return f" (did you mean {by_lower[close[0]]}?)" if close else ""
+
+
+def quoted(text: str, longest: int = 40) -> str:
+    """Return text in quotes for a message, cut where it is long."""
+    return f"'{shortened(text, longest)}'"
+
+
+def shortened(text: str, longest: int = 60) -> str:
+    """Return text on one line, cut where it is long."""
+    text = " ".join(text.split())
+    return text if len(text) <= longest else f"{text[: longest - 1]}…"
 
 
 def say_warnings_in_one_line() -> None:

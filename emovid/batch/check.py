@@ -6,6 +6,7 @@ from typing import Literal, NamedTuple
 
 from pydantic import ValidationError
 
+from emovid.atomic_io import file_digest
 from emovid.batch.job import Job, Record, make, versions
 from emovid.batch.ledger import NAME, read_ledger
 from emovid.batch.pool import OnStep
@@ -15,7 +16,6 @@ from emovid.errors import InputError
 from emovid.scene.model import Scene
 from emovid.swarm.simulate import simulate
 from emovid.video.render import frames_checksum
-from emovid.whole_files import file_digest
 
 State = Literal["current", "missing", "stale", "corrupt", "changed"]
 _ELSEWHERE = "recorded by another version of emovid"

@@ -9,6 +9,7 @@ from math import isnan
 from pathlib import Path
 from typing import Any, Literal
 
+from emovid.atomic_io import file_digest
 from emovid.batch.pool import OnStep
 from emovid.scene.load import scene_digest
 from emovid.scene.model import Scene
@@ -17,7 +18,6 @@ from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
 from emovid.video.encode import ffmpeg_version
 from emovid.video.render import render_video, video_arguments
-from emovid.whole_files import file_digest
 
 Kind = Literal["video", "trajectory", "measure"]
 Record = dict[str, Any]  # of a finished job: its recipe, and what came of it

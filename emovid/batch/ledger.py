@@ -16,9 +16,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, Any, Self
 
+from emovid.atomic_io import is_written, not_written, writing
 from emovid.batch.job import Record
 from emovid.errors import EmovidError
-from emovid.whole_files import is_written, not_written, writing
 
 NAME = "manifest.json"
 _JOURNAL, _LOCK = f".{NAME}.*.journal", f".{NAME}.lock"

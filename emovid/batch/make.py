@@ -5,6 +5,7 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
+from emovid.atomic_io import clear_leftovers, make_folder
 from emovid.batch.cluster import connected
 from emovid.batch.job import Job, Record, is_by_recipe, is_current, make
 from emovid.batch.ledger import Ledger, read_ledger
@@ -12,7 +13,6 @@ from emovid.batch.local import InProcess, Processes
 from emovid.batch.pool import Hear, Pool
 from emovid.batch.run import run
 from emovid.errors import EmovidError
-from emovid.whole_files import clear_leftovers, make_folder
 
 
 class Reporter(Protocol):

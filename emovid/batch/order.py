@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from emovid.whole_files import writing
+from emovid.atomic_io import writing
 
 NAME = "presentation_order.csv"
 

@@ -3,13 +3,13 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from emovid.atomic_io import make_folder, replace_if_changed
 from emovid.batch.job import Record, is_by_recipe
 from emovid.batch.ledger import is_growing, read_ledger
 from emovid.batch.sheet import write_sheet
 from emovid.batch.sweep import PLAN, Item, axes
 from emovid.batch.sweep_file import SweepFile
 from emovid.batch.table import write_results
-from emovid.whole_files import make_folder, replace_if_changed
 
 
 def write_plan(folder: Path, sweep: SweepFile) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from emovid.atomic_io import file_digest, writing
 from emovid.batch.job import Record, versions
 from emovid.batch.ledger import Ledger
 from emovid.batch.sweep import Item
@@ -21,7 +22,6 @@ from emovid.figures.style import encoded
 from emovid.swarm.files import load_trajectory
 from emovid.video.draw import Painter
 from emovid.video.still import last_frame
-from emovid.whole_files import file_digest, writing
 
 NAME = "contact-sheet.png"
 MAX_SIDE = 200  # pictures in a row or a column

@@ -9,7 +9,7 @@ from typing import Any
 
 from emovid.batch.job import Job, Kind
 from emovid.batch.sweep_file import SweepFile
-from emovid.errors import InputError, SceneError
+from emovid.errors import InputError, SourceError
 from emovid.scene.load import Setting, scene_digest, scene_of
 from emovid.scene.model import Scene
 from emovid.video.formats import FORMATS
@@ -45,16 +45,16 @@ def items(sweep: SweepFile) -> list[Item]:
     """Return the items of a sweep, each a valid scene and none twice.
 
     Raises:
-        SceneError: for the first that is not, with the place of the key at fault.
+        SourceError: for the first that is not, with the place of the key at fault.
     """
     count = prod(map(len, _levels(sweep)))
     if count > MAX_ITEMS:
-        raise SceneError(sweep.where, "", f"{count} items: at most {MAX_ITEMS}")
+        raise SourceError(sweep.where, f"{count} items: at most {MAX_ITEMS}")
     found = list(_items(sweep))
     numbers: dict[str, int] = {}
     for item in found:
         if (first := numbers.setdefault(item.name, item.number)) != item.number:
-            raise SceneError(sweep.where, "", f"items {first} and {item.number} are the same scene: {_shown(item)}")
+            raise SourceError(sweep.where, f"items {first} and {item.number} are the same scene: {_shown(item)}")
     return found
 
 

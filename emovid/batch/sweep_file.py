@@ -10,13 +10,12 @@ from typing import Any, NoReturn, get_args
 import numpy as np
 
 from emovid.batch.job import Kind
-from emovid.errors import SceneError, nearest
-from emovid.places import KeyPath, Places, place_of
+from emovid.errors import SourceError, nearest
 from emovid.scene.load import Setting, scene_keys, shipped_names
 from emovid.scene.picture import read_pictures
+from emovid.scene.resources import CONFIGS, read_text
 from emovid.scene.robot_files import read_robot
-from emovid.scene.shipped import CONFIGS, read_text
-from emovid.yaml_text import read_yaml
+from emovid.yaml_source import KeyPath, Places, place_of, read_yaml
 
 KEYS = ("only", "scenes", "set", "list", "grid", "seeds")
 _RANGE = ("from", "to", "count", "log")
@@ -108,7 +107,7 @@ def read_sweep_file(path: Path, only: str | None = None) -> SweepFile:
         only: what is made of each item, whatever the file says.
 
     Raises:
-        SceneError: for what cannot be meant, with file, line and key.
+        SourceError: for what cannot be meant, with file, line and key.
     """
     keys, places = _read(path)
     if only is not None and isinstance(keys, dict):
@@ -122,7 +121,7 @@ def _read(path: Path) -> tuple[Any, Places]:
         if path.suffix == ".json":
             return json.loads(text), {(): str(path)}
     except (ValueError, RecursionError):
-        raise SceneError(str(path), "", "not JSON: expected a plan that emovid sweep wrote") from None
+        raise SourceError(str(path), "not JSON: expected a plan that emovid sweep wrote") from None
     return read_yaml(text, str(path), "sweep")
 
 
@@ -134,7 +133,7 @@ class _Reader:
 
     def sweep(self) -> SweepFile:
         if not isinstance(self.keys, dict):
-            raise SceneError(str(self.path), "", f"not a sweep: expected some of {', '.join(KEYS)}")
+            raise SourceError(str(self.path), f"not a sweep: expected some of {', '.join(KEYS)}")
         for key in self.keys:
             if key not in KEYS:
                 self._refuse((key,), _unknown(key, KEYS))
@@ -166,7 +165,7 @@ class _Reader:
                 self._refuse(path, f"{source!r}: expected an emotion or a scene file")
             try:
                 keys, places, file = scene_keys(source if source in shipped_names() else self.path.parent / source)
-            except SceneError as error:
+            except SourceError as error:
                 if error.message.startswith("no such file"):  # what it suggests instead is like the whole path
                     self._refuse(path, f"{source}: no such file or emotion{nearest(source, shipped_names())}")
                 raise
@@ -258,7 +257,7 @@ class _Reader:
         return place_of(path, self.places)
 
     def _refuse(self, path: KeyPath, message: str) -> NoReturn:
-        raise SceneError(self._place(path), ".".join(map(str, path)), message)
+        raise SourceError(self._place(path), message, key=".".join(map(str, path)))
 
 
 def _unknown(key: str, known: Sequence[str]) -> str:

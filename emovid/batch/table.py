@@ -8,9 +8,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from emovid.atomic_io import replace_if_changed
 from emovid.batch.job import Record
 from emovid.batch.sweep import Item
-from emovid.whole_files import replace_if_changed
 
 NAME = "results.csv"
 _FACTS = ("frames", "samples", "trajectory_sha256", "frames_crc32", "sha256")

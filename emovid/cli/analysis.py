@@ -14,7 +14,7 @@ from emovid.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from emovid.study.responses import Responses
+    from emovid.responses.responses import Responses
 
 _SHOWN = 200  # rejected rows on the terminal; rejected.csv has all
 
@@ -55,11 +55,11 @@ def analyze(
 
     Examples: emovid study analyze responses.csv · emovid study analyze exports/ --key key.csv --by gender -o results/
     """
+    from emovid.atomic_io import make_folder, writing
     from emovid.figures.study import study_figures
     from emovid.figures.style import encoded
-    from emovid.study.outputs import result_files
-    from emovid.study.report import report_html
-    from emovid.whole_files import make_folder, writing
+    from emovid.report.outputs import result_files
+    from emovid.report.report import report_html
 
     if bool(sources) == bool(counts):
         raise InputError("expected exports to analyse, or --counts and a confusion matrix")
@@ -86,9 +86,9 @@ def analyze(
 
 
 def _of_counts(counts: Path, seed: int) -> dict[str, Any]:
-    from emovid.study.analyze import analyze_counts
-    from emovid.study.matrix import read_matrix
-    from emovid.whole_files import file_digest
+    from emovid.atomic_io import file_digest
+    from emovid.responses.matrix_files import read_matrix
+    from emovid.statistics.analyze import analyze_counts
 
     matrix, labels, signalled = read_matrix(counts)
     inputs = [{"file": str(counts), "dialect": "confusion matrix", "sha256": file_digest(counts)}]
@@ -100,8 +100,8 @@ def _of_exports(
 ) -> "tuple[dict[str, Any], Responses]":
     from dataclasses import asdict
 
-    from emovid.study.analyze import analyze as run
-    from emovid.study.read import read_responses
+    from emovid.responses.read import read_responses
+    from emovid.statistics.analyze import analyze as run
 
     responses = read_responses(sources, key=key, mapping=mapping, labels=_labels(labels), groups=by)
     inputs = [asdict(source) for source in responses.sources]
@@ -115,7 +115,7 @@ def _labels(said: str | None) -> list[str] | None:
 def _provenance(inputs: list[dict[str, Any]], key: Path | None, seed: int) -> dict[str, Any]:
     from importlib.metadata import version
 
-    from emovid.whole_files import file_digest
+    from emovid.atomic_io import file_digest
 
     key_sha256 = file_digest(key) if key else None
     return {"inputs": inputs, "key_sha256": key_sha256, "version": version("emovid"), "seed": seed}
@@ -197,7 +197,7 @@ def columns(
 
     Example: emovid study columns export.csv > map.yaml
     """
-    from emovid.study.describe import describe_columns
+    from emovid.responses.describe_columns import describe_columns
 
     found = describe_columns(source, key, mapping, _labels(labels))
     said = "; ".join(part for part in (found.dialect, found.problem) if part)
@@ -218,11 +218,11 @@ def compare(
 
     Example: emovid study compare original/results.json results/results.json
     """
-    from emovid.study import apa
-    from emovid.study.analyze import in_json
-    from emovid.study.compare import aligned
-    from emovid.study.compare import compare as run
-    from emovid.study.matrix import read_results
+    from emovid.report import apa
+    from emovid.responses.matrix_files import read_results
+    from emovid.statistics.analyze import in_json
+    from emovid.statistics.compare import aligned
+    from emovid.statistics.compare import compare as run
 
     studies = read_results(original), read_results(replication)
     try:

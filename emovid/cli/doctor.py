@@ -16,7 +16,7 @@ def doctor(as_json: Json = False) -> None:
 
     Examples: emovid doctor · emovid doctor --json
     """
-    from emovid.cli.checkup import checks
+    from emovid.workflows.doctor import checks
 
     found = []
     for check in checks(Path.cwd()):

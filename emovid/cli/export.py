@@ -51,10 +51,10 @@ def robotarium(
 
     Examples: emovid export robotarium anger --trails · emovid export robotarium my.yaml -o my_experiment.py
     """
+    from emovid.atomic_io import make_folder, writing
     from emovid.platforms.robotarium import ARENAS, robotarium_script
     from emovid.scene.emotions import EMOTIONS
     from emovid.scene.load import find_scene, load_scene, scene_digest
-    from emovid.whole_files import make_folder, writing
 
     if arena not in ARENAS:
         raise InputError(f"--arena {arena}: expected {' or '.join(ARENAS)}{nearest(arena, ARENAS)}")

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from emovid.cli import completion
-from emovid.cli.figure_sources import measures_of, study_results
-from emovid.cli.gallery import GALLERY, gallery, steps
-from emovid.cli.moments import CONTACT, FRAMES, MOST, Moments, at_times
 from emovid.cli.options import Json, Quiet, Seed, Set, View, settings
 from emovid.errors import EmovidError, InputError, nearest
+from emovid.workflows.figure_sources import measures_of, study_results
+from emovid.workflows.gallery import GALLERY, gallery, steps
+from emovid.workflows.snapshots import CONTACT, FRAMES, MOST, Moments, at_times
 
 if TYPE_CHECKING:
     from emovid.figures.catalogue import Entry
-    from emovid.figures.material import Material
+    from emovid.figures.run_cache import Material
     from emovid.scene.load import Setting
 
 FOLDER = Path("figures")
@@ -71,10 +71,10 @@ def figures(
     Examples: emovid figures all gallery · emovid figures shapes --format svg · emovid figures contact-sheet anger.mp4
     · emovid figures frames my.yaml --times 0,2,8
     """
+    from emovid.atomic_io import writing
     from emovid.cli.progress import listing
     from emovid.figures.catalogue import CATALOGUE, MEASURES, STUDY, WIDTHS
-    from emovid.figures.material import Material
-    from emovid.whole_files import writing
+    from emovid.figures.run_cache import Material
 
     if listed:
         _list(CATALOGUE, as_json=as_json)
@@ -230,7 +230,7 @@ def _faults(asked: "Iterable[Entry]", material: "Material") -> dict[str, str]:
 
 def _make_room(folder: Path, targets: Sequence[Path]) -> None:
     """Make the folder and see that the figures can be written into it."""
-    from emovid.whole_files import make_folder
+    from emovid.atomic_io import make_folder
 
     if folder.exists() and not folder.is_dir():
         raise InputError(f"-o {folder}: is a file; expected a folder")

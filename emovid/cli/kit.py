@@ -31,9 +31,9 @@ def new(
 
     Example: emovid study new my-study/
     """
+    from emovid.atomic_io import make_folder, writing
     from emovid.kit.load import NAME
-    from emovid.scene.shipped import STUDIES, read_text
-    from emovid.whole_files import make_folder, writing
+    from emovid.scene.resources import STUDIES, read_text
 
     file = folder / NAME
     if folder.suffix.lower() in (".yaml", ".yml") or (folder.exists() and not folder.is_dir()):
@@ -69,7 +69,7 @@ def build(
     """
     from emovid.kit.build import build as make
     from emovid.kit.load import load_study
-    from emovid.kit.secret import GUESSABLE
+    from emovid.kit.seeded_random import GUESSABLE
 
     loaded = load_study(study)
     orders = participants or loaded.study.participants

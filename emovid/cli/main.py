@@ -80,7 +80,7 @@ def main(arguments: list[str] | None = None) -> int:
     except MemoryError:
         return _say("not enough memory: fewer robots, a longer control_period or a shorter duration need less", 1)
     except OSError as error:  # that no command has foreseen, such as a name longer than the system takes
-        from emovid.whole_files import reason
+        from emovid.atomic_io import reason
 
         place = f"{error.filename}: " if error.filename else ""
         return _say(place + reason(error), 2 if error.errno == errno.ENAMETOOLONG else 1)

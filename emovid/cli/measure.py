@@ -60,8 +60,8 @@ def measure(
     · emovid measure fear.npz --only cusps,cost
     """
     from emovid.cli.progress import listing
+    from emovid.measure.claim_metrics import evidence
     from emovid.measure.claims import excepted, judge
-    from emovid.measure.evidence import evidence
     from emovid.scene.emotions import EMOTIONS
 
     every = every or (gate and not sources)
@@ -132,8 +132,8 @@ def _run_of(source: str, overrides: "Sequence[Setting]") -> _Run:
 
 def _write_csv(scenes: Mapping[str, Mapping[str, float]], target: Path) -> None:
     """Write one row for each scene and descriptor; a value that does not exist is an empty cell."""
+    from emovid.atomic_io import make_folder, writing
     from emovid.measure.describe import DESCRIPTORS
-    from emovid.whole_files import make_folder, writing
 
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")

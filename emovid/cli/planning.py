@@ -32,7 +32,7 @@ def power(
     """
     from dataclasses import asdict
 
-    from emovid.study.power import plan
+    from emovid.statistics.power import plan
 
     try:
         found = plan(rate, k, videos, alpha, wished)
@@ -73,10 +73,11 @@ def simulate(
     """
     import numpy as np
 
-    from emovid.study.matrix import percent, read_matrix
-    from emovid.study.rehearse import Responders, rehearse, responders
-    from emovid.study.responses import EMOTIONS
-    from emovid.whole_files import make_folder, writing
+    from emovid.atomic_io import make_folder, writing
+    from emovid.responses.matrix_files import read_matrix
+    from emovid.responses.responses import EMOTIONS
+    from emovid.statistics.confusion import percent
+    from emovid.statistics.simulated_participants import Responders, rehearse, responders
 
     check_file(output, f"-o {output}")
     if matrix:

@@ -86,12 +86,12 @@ def _target(output: Path | None, stem: str, format: str | None) -> Path:
 
 def _make(source: str, overrides: "list[Setting]", target: Path, *, quiet: bool) -> None:
     """Make the preview and say where it is."""
+    from emovid.atomic_io import make_folder
     from emovid.cli.progress import counting
     from emovid.scene.load import load_scene
     from emovid.swarm.simulate import check_start, simulate
     from emovid.video.preview import reduced
     from emovid.video.render import render_video
-    from emovid.whole_files import make_folder
 
     started = time.perf_counter()
     scene = load_scene(source, overrides)

@@ -119,7 +119,7 @@ def new(
 
     Example: emovid scene new my.yaml --from anger
     """
-    from emovid.whole_files import make_folder, writing
+    from emovid.atomic_io import make_folder, writing
 
     source = on_platform(source, platform)
     _, text = _read(source)
@@ -150,7 +150,7 @@ app.command()(diff)
 def _read(source: str) -> "tuple[model.Scene, str]":
     """Return a scene and the text of its file, read once: it may be a pipe."""
     from emovid.scene.load import find_scene, parse_scene
-    from emovid.scene.shipped import read_text
+    from emovid.scene.resources import read_text
 
     path = find_scene(source)
     text = read_text(path)

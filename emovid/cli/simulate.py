@@ -43,12 +43,12 @@ def simulate(
 
     Examples: emovid simulate --emotion fear -o fear.npz · emovid simulate my.yaml --seed 3 -o my.csv
     """
+    from emovid.atomic_io import make_folder
     from emovid.cli.progress import counting
     from emovid.scene.load import find_scene, load_scene
     from emovid.swarm.files import SUFFIXES, save_trajectory
     from emovid.swarm.simulate import check_start
     from emovid.swarm.simulate import simulate as run
-    from emovid.whole_files import make_folder
 
     chosen = on_platform(one_source(source, emotion), platform)
     scene = load_scene(chosen, settings(assignments, seed))

@@ -58,9 +58,9 @@ def responses(
 
     Examples: emovid study responses kit/ -o responses.csv
     """
+    from emovid.atomic_io import make_folder, writing
     from emovid.survey.export import responses_csv
     from emovid.survey.open import open_survey
-    from emovid.whole_files import make_folder, writing
 
     check_file(output, f"-o {output}")
     opened, store = open_survey(kit, pilot=pilot)

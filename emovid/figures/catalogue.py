@@ -20,9 +20,9 @@ from emovid.figures.diffeomorphism import clearest_step, diffeomorphism_figure
 from emovid.figures.following import LARGE_L, PATH, SMALL_L, follow, following_figure
 from emovid.figures.frames import frames_figure, traces_figure
 from emovid.figures.interaction import interaction_figure
-from emovid.figures.material import Material
 from emovid.figures.robot import robot_figure
 from emovid.figures.robotarium import overhead_figure, perspective_figure
+from emovid.figures.run_cache import Material
 from emovid.figures.shapes import shapes_figure
 from emovid.figures.study import answers_of, placed_answers_of, recognition_of
 from emovid.figures.style import DOUBLE_COLUMN, FORMATS, SINGLE_COLUMN, encoded

@@ -12,14 +12,14 @@ from matplotlib.path import Path
 
 from emovid.figures.schematic import scale_of
 from emovid.figures.top_view import body_colours, panels, print_colours, slices
-from emovid.looks import trailed_robots
-from emovid.perspective.pinhole import Pinhole
-from emovid.perspective.ribbons import ribbon
-from emovid.perspective.solids import Colouring, seen_robots
 from emovid.scene.model import Scene
 from emovid.swarm.arrays import Array
 from emovid.swarm.coverage import corners_of
 from emovid.swarm.trajectory import Trajectory
+from emovid.video.pinhole import Pinhole
+from emovid.video.ribbons import ribbon
+from emovid.video.robot_outlines import trailed_robots
+from emovid.video.solids import Colouring, seen_robots
 
 _EDGE = 0.6  # width of the line around the stage [pt]
 _THINNEST = 0.4  # width of a trail in the middle of the stage where a panel is small [pt]

@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import TextToPath
 
+from emovid.atomic_io import writing
 from emovid.errors import InputError
 from emovid.signals import held_signals
-from emovid.whole_files import writing
 
 SINGLE_COLUMN, DOUBLE_COLUMN = 3.5, 7.16  # widths [in]; source: IEEE Author Center, "Resolution and Size"
 TEXT = 8.0  # of all text [pt]: figures are printed at the size they have

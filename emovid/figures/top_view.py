@@ -12,7 +12,6 @@ from matplotlib.path import Path
 
 from emovid.figures.schematic import scale_of
 from emovid.figures.style import POINTS, SINGLE_COLUMN, TEXT
-from emovid.looks import robot_parts, robot_rim, trailed_robots
 from emovid.scene.model import Scene
 from emovid.scene.robots import Body
 from emovid.scene.stage import Stage
@@ -20,6 +19,7 @@ from emovid.scene.video import THEMES, Colours
 from emovid.swarm.arrays import Array
 from emovid.swarm.coverage import corners_of
 from emovid.swarm.trajectory import Trajectory
+from emovid.video.robot_outlines import robot_parts, robot_rim, trailed_robots
 
 LINE = 1.4 * TEXT  # room for a line of text beside a panel [pt]
 

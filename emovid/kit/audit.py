@@ -16,7 +16,7 @@ from emovid.kit.checks.scenes import check_scenes
 from emovid.kit.checks.videos import check_alike, check_content, check_decoding
 from emovid.kit.mp4 import content_size
 from emovid.kit.read import Kit, open_kit
-from emovid.study.read import read_responses
+from emovid.responses.read import read_responses
 
 Check = Callable[[], Iterator[Finding]]
 

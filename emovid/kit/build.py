@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
+from emovid.atomic_io import clear_leftovers, file_digest, make_folder, reason
 from emovid.errors import EmovidError, InputError
 from emovid.kit.folders import KitFolder, csv_text, set_times, write_text
 from emovid.kit.load import LoadedStudy
@@ -13,10 +14,9 @@ from emovid.kit.manifest import manifest_of
 from emovid.kit.model import Study
 from emovid.kit.mp4 import pad_alike
 from emovid.kit.orders import Order, presentation_orders
-from emovid.kit.secret import commitment, fresh_seed, salt, shuffled
+from emovid.kit.seeded_random import commitment, fresh_seed, salt, shuffled
 from emovid.kit.stimuli import Stimulus, blinded, make
 from emovid.video.encode import count_frames
-from emovid.whole_files import clear_leftovers, file_digest, make_folder, reason
 
 _OWNER_ONLY = 0o600
 

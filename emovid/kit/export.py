@@ -4,6 +4,7 @@ import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from emovid.atomic_io import make_folder, reason, whole_file
 from emovid.errors import InputError
 from emovid.kit.exports.checklist import checklist
 from emovid.kit.exports.export import Files
@@ -15,10 +16,9 @@ from emovid.kit.exports.psychopy import psychopy
 from emovid.kit.exports.qualtrics import qualtrics
 from emovid.kit.folders import TIME, write_text
 from emovid.kit.read import Kit
-from emovid.kit.secret import is_code
-from emovid.study.read import read_responses
-from emovid.study.responses import Responses
-from emovid.whole_files import make_folder, reason, whole_file
+from emovid.kit.seeded_random import is_code
+from emovid.responses.read import read_responses
+from emovid.responses.responses import Responses
 
 _WITH_VIDEOS = ("jspsych", "psychopy", "qualtrics", "limesurvey")
 _TOOLS: dict[str, Callable[[Kit, str, Responses | None], Files]] = {

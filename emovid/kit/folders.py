@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from emovid.whole_files import writing
+from emovid.atomic_io import writing
 
 # Of all public files and folders: 2000-01-01T00:00:00Z. When a video was made could tell which took long to make.
 TIME = 946_684_800

@@ -12,19 +12,17 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from emovid.errors import SceneError, nearest
-from emovid.kit.finished import check_video
+from emovid.atomic_io import file_digest
+from emovid.errors import SourceError, nearest
+from emovid.kit.external_videos import check_video
 from emovid.kit.model import MAX_VIDEOS, Stimulus, Study
-from emovid.places import KeyPath, Places, place_of
-from emovid.scene.complaints import complaint
+from emovid.responses.key import read_bytes
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, load_scene, scene_digest
 from emovid.scene.model import Scene
-from emovid.study.errors import StudyError
-from emovid.study.key import read_bytes
+from emovid.scene.validation_messages import complaint
 from emovid.swarm.simulate import check_start
-from emovid.whole_files import file_digest
-from emovid.yaml_text import read_yaml
+from emovid.yaml_source import KeyPath, Places, place_of, read_yaml
 
 NAME = "study.yaml"
 _MAX_BYTES = 2_000_000
@@ -82,7 +80,7 @@ def load_study(source: Path) -> LoadedStudy:
     """Return the study of a study.yaml, or of a folder that holds one.
 
     Raises:
-        StudyError: for a study that cannot be meant, or that names a wrong scene or video: with file, line and key.
+        SourceError: for a study that cannot be meant, or that names a wrong scene or video: with file, line and key.
     """
     path = source / NAME if source.is_dir() else source
     study, places = _read(path)
@@ -94,22 +92,22 @@ def load_study(source: Path) -> LoadedStudy:
 def _read(path: Path) -> tuple[Study, Places]:
     data = read_bytes(path)
     if len(data) > _MAX_BYTES:
-        raise StudyError(str(path), "too large for a study; expected a study.yaml")
+        raise SourceError(str(path), "too large for a study; expected a study.yaml")
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise StudyError(str(path), "not UTF-8 text", data[: error.start].count(b"\n") + 1) from None
+        raise SourceError(str(path), "not UTF-8 text", data[: error.start].count(b"\n") + 1) from None
     try:
         values, places = read_yaml(text, str(path))
-    except SceneError as error:
-        raise StudyError(error.where, error.message.replace("a scene", "a study"), 0, error.key) from None
+    except SourceError as error:
+        raise SourceError(error.where, error.message.replace("a scene", "a study"), 0, error.key) from None
     if not isinstance(values, dict):
-        raise StudyError(str(path), "not a study: expected keys such as title, question, labels, stimuli")
+        raise SourceError(str(path), "not a study: expected keys such as title, question, labels, stimuli")
     try:
         return Study.model_validate(values), places
     except ValidationError as error:
         found = complaint(error, places, Study)
-        raise StudyError(found.where, found.message, 0, found.key) from None
+        raise SourceError(found.where, found.message, 0, found.key) from None
 
 
 def _exemplars(study: Study, path: Path, places: Places) -> Iterator[Exemplar]:
@@ -117,7 +115,9 @@ def _exemplars(study: Study, path: Path, places: Places) -> Iterator[Exemplar]:
     for factor in study.factors.values():
         count *= len(factor)
     if count > MAX_VIDEOS:
-        raise StudyError(place_of(("stimuli",), places), f"{count} videos; expected at most {MAX_VIDEOS}", 0, "stimuli")
+        raise SourceError(
+            place_of(("stimuli",), places), f"{count} videos; expected at most {MAX_VIDEOS}", 0, "stimuli"
+        )
     combinations = [dict(zip(study.factors, chosen, strict=True)) for chosen in product(*study.factors.values())]
     for entry, stimulus in enumerate(study.stimuli):
         at: KeyPath = ("stimuli", entry)
@@ -162,11 +162,11 @@ def _blamed_on(path: KeyPath, places: Places) -> Iterator[None]:
     """Turn what is wrong with a scene or a video into an error on the line of the study that names it."""
     try:
         yield
-    except SceneError as error:
+    except SourceError as error:
         where = place_of(path, places)
         if error.where.startswith(f"{where.rpartition(':')[0]}:"):  # a key that the study itself sets
-            raise StudyError(error.where, error.message, 0, error.key) from None
-        raise StudyError(where, str(error), 0, ".".join(map(str, path))) from None
+            raise SourceError(error.where, error.message, 0, error.key) from None
+        raise SourceError(where, str(error), 0, ".".join(map(str, path))) from None
 
 
 def _label(stimulus: Stimulus, scene: Scene | None, study: Study, at: KeyPath, places: Places) -> str:
@@ -178,7 +178,7 @@ def _label(stimulus: Stimulus, scene: Scene | None, study: Study, at: KeyPath, p
     key, remedy = ("emotion", "expected") if stimulus.emotion else ("scene", "expected emotion: beside it, with")
     path = (*at, key)
     message = f"{found}; {remedy} one of {', '.join(study.labels)}"
-    raise StudyError(place_of(path, places), message, 0, ".".join(map(str, path)))
+    raise SourceError(place_of(path, places), message, 0, ".".join(map(str, path)))
 
 
 def _check_shown(study: Study, exemplars: tuple[Exemplar, ...], places: Places) -> None:
@@ -189,4 +189,4 @@ def _check_shown(study: Study, exemplars: tuple[Exemplar, ...], places: Places) 
         listed = ", ".join(f"{count} of {label}" for label, count in counts.items())
         path = ("orders", "shown")
         message = f"one_of_each needs as many videos of one emotion as of the others; there are {listed}"
-        raise StudyError(place_of(path, places), message, 0, ".".join(path))
+        raise SourceError(place_of(path, places), message, 0, ".".join(path))

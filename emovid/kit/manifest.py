@@ -8,14 +8,14 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PositiveFloat, PositiveInt, ValidationError
 
+from emovid.atomic_io import file_digest, reason
 from emovid.errors import InputError
 from emovid.kit.folders import KitFolder
 from emovid.kit.model import Ethics, Study
 from emovid.kit.orders import Scheme
 from emovid.kit.pages import Consent, Item, Rating, Texts, Thanks
-from emovid.scene.complaints import complaint
 from emovid.scene.fields import Keys
-from emovid.whole_files import file_digest, reason
+from emovid.scene.validation_messages import complaint
 
 
 class Video(Keys):

@@ -5,13 +5,13 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
+from emovid.errors import SourceError
 from emovid.kit.orders import Scheme
 from emovid.kit.pages import Consent, Item, Language, Name, Ratings, Text, Texts, Thanks
+from emovid.responses.dialects.own import FIRST, RECORDED
+from emovid.responses.labels import NONE, Labels, plain
 from emovid.scene.fields import MAX_DURATION, Keys, inconsistent
 from emovid.scene.video import MAX_FPS
-from emovid.study.dialects.own import FIRST, RECORDED
-from emovid.study.errors import StudyError
-from emovid.study.labels import NONE, Labels, plain
 
 MAX_VIDEOS = 200
 _COMMON = ("video", "video.size", "video.fps", "video.format", "duration", "emotion")  # the study's to say
@@ -175,7 +175,7 @@ def _setting_faults(study: Study) -> Iterator[tuple[str, str]]:
 def _label_faults(study: Study) -> Iterator[tuple[str, str]]:
     try:
         labels = Labels(list(study.labels))
-    except StudyError as error:
+    except SourceError as error:
         yield "labels", error.message
     else:
         if labels.offers_none:

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from emovid.atomic_io import writing
 from emovid.errors import RenderError
-from emovid.whole_files import writing
 
 _HEAD = 8  # bytes of a box's size and name
 _CONTAINERS = ("moov", "trak", "mdia", "minf", "stbl", "dinf", "edts")

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from emovid.kit.secret import shuffled
+from emovid.kit.seeded_random import shuffled
 
 Scheme = Literal["random", "latin", "williams"]
 Order = tuple[str, ...]

@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from emovid.atomic_io import reason
 from emovid.errors import InputError
 from emovid.kit.folders import KitFolder
 from emovid.kit.manifest import Manifest, read_manifest
 from emovid.kit.model import Study
 from emovid.kit.orders import Order
-from emovid.study.key import read_key
-from emovid.study.labels import NONE, Labels
-from emovid.whole_files import reason
+from emovid.responses.key import read_key
+from emovid.responses.labels import NONE, Labels
 
 _COLUMNS = ("participant", "position", "video_code")
 

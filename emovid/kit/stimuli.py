@@ -7,11 +7,11 @@ from math import pi
 from pathlib import Path
 from typing import Any
 
-from emovid.errors import SceneError
-from emovid.kit.finished import reencode
+from emovid.errors import SourceError
+from emovid.kit.external_videos import reencode
 from emovid.kit.load import Exemplar, LoadedStudy
 from emovid.kit.model import Look, Vary
-from emovid.kit.secret import draw, flip, share, video_codes
+from emovid.kit.seeded_random import draw, flip, share, video_codes
 from emovid.kit.symmetry import can_half_turn, can_mirror, can_turn, mirrored, turned
 from emovid.scene.behaviour import ContourKeys
 from emovid.scene.model import Scene
@@ -56,7 +56,7 @@ def blinded(loaded: LoadedStudy, seed: int) -> list[Stimulus]:
     """Return the stimuli of a study in the order of their codes, in which they are made and listed everywhere.
 
     Raises:
-        SceneError: if a random start finds no room, whatever its seed.
+        SourceError: if a random start finds no room, whatever its seed.
     """
     codes = video_codes(seed, len(loaded.exemplars))
     pairs = zip(codes, loaded.exemplars, strict=True)
@@ -149,7 +149,7 @@ def _run_seed(scene: Scene, code: str, seed: int, attempt: int = 0) -> int:
     found = draw(seed, "run", code, attempt) % 2**63
     try:
         check_start(_reseeded(scene, found))
-    except SceneError:
+    except SourceError:
         if attempt + 1 == _ATTEMPTS:
             raise
         return _run_seed(scene, code, seed, attempt + 1)

@@ -4,8 +4,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from emovid.measure.descriptor import Descriptor
-from emovid.measure.ground import Ground
 from emovid.measure.series import in_time, mean_where, series
+from emovid.measure.stage_geometry import Ground
 from emovid.measure.window import Window
 from emovid.swarm.arrays import Array
 

@@ -3,10 +3,10 @@
 from emovid.measure.convergence import CONVERGENCE, convergence
 from emovid.measure.crowding import CROWDING, crowding
 from emovid.measure.descriptor import Descriptor
-from emovid.measure.ground import ground_of
 from emovid.measure.shape import SHAPE, shape
 from emovid.measure.smoothness import SMOOTHNESS, smoothness
 from emovid.measure.speed import SPEED, speed
+from emovid.measure.stage_geometry import ground_of
 from emovid.measure.trace import TRACE, trace
 from emovid.measure.window import WINDOW, window_of
 from emovid.swarm.trajectory import Trajectory

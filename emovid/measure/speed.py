@@ -3,7 +3,7 @@
 import numpy as np
 
 from emovid.measure.descriptor import Descriptor
-from emovid.measure.ground import Ground
+from emovid.measure.stage_geometry import Ground
 from emovid.measure.window import Window
 from emovid.swarm.arrays import Array
 

@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from emovid.looks import trailed_robots
 from emovid.platforms.density_source import density_source, nodes_for
 from emovid.scene.behaviour import CircularSinusoid, Contour, Coverage, ExpandingCircle
 from emovid.scene.load import scene_digest
@@ -22,6 +21,7 @@ from emovid.scene.stage import StageKeys
 from emovid.swarm.arrays import Array
 from emovid.swarm.start import start_poses
 from emovid.swarm.unicycle import look_ahead
+from emovid.video.robot_outlines import trailed_robots
 
 STEP = 0.033  # s; of the testbed and its simulators
 MAX_ROBOTS = 20
@@ -63,7 +63,7 @@ def robotarium_script(scene: Scene, name: str, arena: Arena, *, trails: bool = F
         trails: whether it draws the scene's trails in the figure that the testbed projects.
 
     Raises:
-        SceneError: for a scene that the Robotarium cannot run, or would refuse.
+        SourceError: for a scene that the Robotarium cannot run, or would refuse.
     """
     _check(scene, arena)
     poses = start_poses(scene, np.random.default_rng(scene.seed))
@@ -88,7 +88,7 @@ def robotarium_script(scene: Scene, name: str, arena: Arena, *, trails: bool = F
 
 
 def _check(scene: Scene, arena: Arena) -> None:
-    """Raise the `SceneError` of a scene that the Robotarium cannot run, or would refuse."""
+    """Raise the `SourceError` of a scene that the Robotarium cannot run, or would refuse."""
     robot, longest = scene.robot, MAX_SECONDS - _APPROACH
     for key, fault, message in (
         ("robots", scene.robots > MAX_ROBOTS, f"{scene.robots}: the Robotarium has at most {MAX_ROBOTS}"),
@@ -107,7 +107,7 @@ def _check(scene: Scene, arena: Arena) -> None:
 
 
 def _check_spacing(scene: Scene, poses: Array) -> None:
-    """Raise the `SceneError` of robots that start nearer to each other than the Robotarium lets them be."""
+    """Raise the `SourceError` of robots that start nearer to each other than the Robotarium lets them be."""
     apart = _apart(look_ahead(poses, COLLISION_AHEAD))
     if apart <= COLLISION:
         near = f"two would start {1000 * apart:.0f} mm apart; a collision there is at {1000 * COLLISION:g}"

@@ -10,16 +10,16 @@ from typing import Any, NamedTuple
 import yaml
 from pydantic import ValidationError
 
-from emovid import yaml_text
-from emovid.errors import SceneError, nearest
-from emovid.places import KeyPath, Places, key_path
-from emovid.scene.complaints import complaint
+from emovid import yaml_source
+from emovid.atomic_io import reason
+from emovid.errors import SourceError, nearest
 from emovid.scene.emotions import EMOTIONS, PLATFORMS
 from emovid.scene.model import Scene
 from emovid.scene.picture import read_pictures
+from emovid.scene.resources import CONFIGS, read_text
 from emovid.scene.robot_files import read_robot
-from emovid.scene.shipped import CONFIGS, read_text
-from emovid.whole_files import reason
+from emovid.scene.validation_messages import complaint
+from emovid.yaml_source import KeyPath, Places, key_path
 
 
 class Setting(NamedTuple):
@@ -44,7 +44,7 @@ def load_scene(source: str | Path, settings: Iterable[Setting] | Mapping[str, An
         settings: keys to replace, in order; or dotted keys with their values, as in ``{"robot.l": 0.002}``.
 
     Raises:
-        SceneError: for a file that cannot be read or a scene that cannot be meant, with file, line and key.
+        SourceError: for a file that cannot be read or a scene that cannot be meant, with file, line and key.
     """
     path = find_scene(source)
     if isinstance(settings, Mapping):
@@ -60,11 +60,11 @@ def find_scene(source: str | Path) -> Path:
     try:
         found = path.exists()
     except OSError as error:
-        raise SceneError(str(path), "", f"cannot be read: {reason(error)}") from None
+        raise SourceError(str(path), f"cannot be read: {reason(error)}") from None
     if not found:
-        raise SceneError(str(source), "", f"no such file or emotion{nearest(str(source), shipped_names())}")
+        raise SourceError(str(source), f"no such file or emotion{nearest(str(source), shipped_names())}")
     if path.suffix.lower() == ".npz":
-        raise SceneError(str(source), "", "is a finished run; expected a scene (.yaml) or an emotion")
+        raise SourceError(str(source), "is a finished run; expected a scene (.yaml) or an emotion")
     return path
 
 
@@ -99,7 +99,7 @@ def scene_of(keys: dict[str, Any], known: Places, settings: Iterable[Setting] = 
         folder: that pictures and robots are found from.
 
     Raises:
-        SceneError: as `load_scene`.
+        SourceError: as `load_scene`.
     """
     data, places = deepcopy(keys), dict(known)
     replaced: set[str] = set()
@@ -130,16 +130,16 @@ def scene_digest(scene: Scene) -> str:
 
 
 def _keys(text: str, where: str) -> tuple[dict[str, Any], Places]:
-    data, places = yaml_text.read_yaml(text, where)
+    data, places = yaml_source.read_yaml(text, where)
     if not isinstance(data, dict):
-        raise SceneError(where, "", "not a scene: expected keys such as emotion, behaviour, robot")
+        raise SourceError(where, "not a scene: expected keys such as emotion, behaviour, robot")
     return data, places
 
 
 def _apply(setting: Setting, data: dict[str, Any], places: dict[KeyPath, str]) -> None:
     """Replace one key in `data`; groups on the way that are missing or null are made."""
     if isinstance(setting.value, str):
-        value = yaml_text.read_value(setting.value, setting.origin)
+        value = yaml_source.read_value(setting.value, setting.origin)
     else:
         value = deepcopy(setting.value)  # later settings and files that it names go into it
     *parents, last = key_path(setting.key)
@@ -174,7 +174,7 @@ def _child(target: Any, part: str | int, setting: Setting, **new: Any) -> Any:
     elif isinstance(target, dict):
         key = str(part)
     else:
-        raise SceneError(setting.origin, setting.key, f"there is nothing at {part} to set")
+        raise SourceError(setting.origin, f"there is nothing at {part} to set", key=setting.key)
     if new:
         target[key] = new["new"]
     return target[key]

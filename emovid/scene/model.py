@@ -10,8 +10,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, PrivateAttr, model_validator
 
-from emovid.errors import SceneError
-from emovid.places import Places, key_path, place_of
+from emovid.errors import SourceError
 from emovid.scene.behaviour import (
     AnyDensity,
     Behaviour,
@@ -33,6 +32,7 @@ from emovid.scene.stage import Stage
 from emovid.scene.start import AtPoses, AtRandom, InRegion, OnContour, Start
 from emovid.scene.video import MAX_GIF_FPS, MAX_SIDE, MIN_SIDE, Video
 from emovid.scene.view import view_faults
+from emovid.yaml_source import Places, key_path, place_of
 
 MAX_POSES = 200_000_000  # robots times control periods held in memory: 24 h of 77 robots at 30 Hz
 MAX_SNAPSHOTS = 24
@@ -75,9 +75,9 @@ class Scene(Keys):
         """Keep the places (``file:line``) the keys were written at."""
         self._places = places
 
-    def fault(self, key: str, message: str) -> SceneError:
+    def fault(self, key: str, message: str) -> SourceError:
         """Return the error for what is wrong with `key`, naming the place it was written at."""
-        return SceneError(place_of(key_path(key), self._places), key, message)
+        return SourceError(place_of(key_path(key), self._places), message, key=key)
 
     @property
     def step(self) -> float:

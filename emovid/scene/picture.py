@@ -7,9 +7,9 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from emovid.errors import SceneError
-from emovid.places import KeyPath, Places, place_of
-from emovid.whole_files import reason
+from emovid.atomic_io import reason
+from emovid.errors import SourceError
+from emovid.yaml_source import KeyPath, Places, place_of
 
 MAX_SIDE = 128  # pixels kept: finer than any smoothing leaves visible
 MAX_BYTES = 32_000_000
@@ -44,7 +44,7 @@ def read_pictures(data: Any, folder: Path, places: Places) -> None:
         places: of the keys.
 
     Raises:
-        SceneError: for a file that cannot be read or is no such picture.
+        SourceError: for a file that cannot be read or is no such picture.
     """
     path: KeyPath = ("behaviour", "density")
     density = _inside(_inside(data, "behaviour"), "density")
@@ -60,7 +60,7 @@ def read_pictures(data: Any, folder: Path, places: Places) -> None:
             keys["pixels"] = _text(_read(folder / name))
         except _UnusableError as error:
             key = (*path, "file")
-            raise SceneError(place_of(key, places), ".".join(map(str, key)), f"{name}: {error}") from None
+            raise SourceError(place_of(key, places), f"{name}: {error}", key=".".join(map(str, key))) from None
 
 
 def picture_of(pixels: str) -> Grey | None:

@@ -6,12 +6,11 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from emovid.errors import SceneError, nearest
-from emovid.places import Places, place_of
-from emovid.scene.complaints import complaint
+from emovid.errors import SourceError, nearest
+from emovid.scene.resources import CONFIGS, read_text
 from emovid.scene.robots import Body
-from emovid.scene.shipped import CONFIGS, read_text
-from emovid.yaml_text import read_yaml
+from emovid.scene.validation_messages import complaint
+from emovid.yaml_source import Places, place_of, read_yaml
 
 _FOLDER = CONFIGS / "robots"
 _SUFFIXES = (".yaml", ".yml")
@@ -26,7 +25,7 @@ def load_robot(source: str | Path) -> Body:
     """Return the robot of a YAML file, or a shipped one by its name.
 
     Raises:
-        SceneError: for a file that cannot be read or a robot that cannot be meant, with file, line and key.
+        SourceError: for a file that cannot be read or a robot that cannot be meant, with file, line and key.
     """
     path = _find(str(source), Path())
     return _robot(read_text(path, "robot"), str(path), path.stem)
@@ -41,7 +40,7 @@ def read_robot(data: Any, folder: Path, places: Places) -> None:
         places: of the keys.
 
     Raises:
-        SceneError: as `load_robot`; for the limits of a robot that has none.
+        SourceError: as `load_robot`; for the limits of a robot that has none.
     """
     robot = data.get("robot") if isinstance(data, dict) else None
     if not isinstance(robot, dict):
@@ -53,7 +52,7 @@ def read_robot(data: Any, folder: Path, places: Places) -> None:
         said = dict(model)  # a robot in the scene itself is not validated yet
         if said.get("limits") is None:
             where, name = place_of(("robot", "limits"), places), said.get("name", "robot")
-            raise SceneError(where, "robot.limits", f"model: a {name} has none; expected null or limits")
+            raise SourceError(where, f"model: a {name} has none; expected null or limits", key="robot.limits")
         robot["limits"] = said["limits"]
 
 
@@ -61,9 +60,9 @@ def _named(model: str, folder: Path, places: Places) -> Body:
     try:
         path = _find(model, folder)
         text = read_text(path, "robot")
-    except SceneError as error:
+    except SourceError as error:
         where = place_of(("robot", "model"), places)
-        raise SceneError(where, "robot.model", f"{error.where}: {error.message}".removeprefix(": ")) from None
+        raise SourceError(where, f"{error.where}: {error.message}".removeprefix(": "), key="robot.model") from None
     return _robot(text, str(path), path.stem)
 
 
@@ -73,14 +72,14 @@ def _find(name: str, folder: Path) -> Path:
     if name in (known := shipped_robots()):
         return _FOLDER / f"{name}.yaml"
     expected = f"expected one of {', '.join(known)}, or a file that ends in .yaml"
-    raise SceneError("", "", f"{name!r}: {expected}{nearest(name, known)}")
+    raise SourceError("", f"{name!r}: {expected}{nearest(name, known)}")
 
 
 @lru_cache
 def _robot(text: str, where: str, name: str) -> Body:
     data, places = read_yaml(text, where, "robot")
     if not isinstance(data, dict):
-        raise SceneError(where, "", "not a robot: expected keys such as kinematics, shape, wheels")
+        raise SourceError(where, "not a robot: expected keys such as kinematics, shape, wheels")
     try:
         return Body.model_validate({"name": name} | data)
     except ValidationError as error:

@@ -4,12 +4,12 @@ from flask import Flask, Response, current_app, g, render_template, request
 from werkzeug.exceptions import Forbidden, HTTPException
 
 from emovid.kit.read import Kit
-from emovid.survey import codes, visit
-from emovid.survey.doors import doors
+from emovid.survey import codes, session
+from emovid.survey.access_routes import doors
 from emovid.survey.pages import pages
 from emovid.survey.player import player
+from emovid.survey.session import Survey
 from emovid.survey.store import Store
-from emovid.survey.visit import Survey
 
 MOST_BYTES = 64 * 1024  # of a request; the longest form, a hundred lines of text, needs less
 RELEASE = 2 * 60 * 60.0  # s
@@ -41,7 +41,7 @@ def create_app(kit: Kit, store: Store, *, https: bool = False, release: float = 
     for part in (pages, doors, player):
         app.register_blueprint(part)
     app.before_request(_check)
-    app.after_request(visit.keep)
+    app.after_request(session.keep)
     app.after_request(_secure)
     app.register_error_handler(Exception, _failed)
     app.context_processor(_said_everywhere)
@@ -50,8 +50,8 @@ def create_app(kit: Kit, store: Store, *, https: bool = False, release: float = 
 
 def _check() -> None:
     """Refuse what changes something and does not come from one of our pages in this browser."""
-    visit.meet()
-    if request.method not in ("GET", "HEAD", "OPTIONS") and not visit.brings_token():
+    session.meet()
+    if request.method not in ("GET", "HEAD", "OPTIONS") and not session.brings_token():
         raise Forbidden
 
 
@@ -66,17 +66,17 @@ def _failed(error: Exception) -> tuple[str, int]:
     code = (error.code if isinstance(error, HTTPException) else None) or 500
     if code >= 500:
         current_app.logger.error("a request failed", exc_info=error)
-    texts = visit.survey().manifest.texts
+    texts = session.survey().manifest.texts
     said = {403: texts.out_of_date, 404: texts.not_found}.get(code, texts.failed)
     return render_template("message.html", text=said, go_on=True), code
 
 
 def _said_everywhere() -> dict[str, object]:
-    manifest = visit.survey().manifest
+    manifest = session.survey().manifest
     return {
         "manifest": manifest,
         "texts": manifest.texts,
-        "form_field": visit.FORM_FIELD,
-        "form_token": visit.form_token() if "code" in g else "",
+        "form_field": session.FORM_FIELD,
+        "form_token": session.form_token() if "code" in g else "",
         "code": codes.readable(g.code) if "code" in g else "",
     }

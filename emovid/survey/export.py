@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
+from emovid.csv_writer import csv_text
 from emovid.kit.manifest import Manifest
-from emovid.study.cells import csv_text
-from emovid.study.dialects.own import FIRST, RECORDED
+from emovid.responses.dialects.own import FIRST, RECORDED
 from emovid.survey.progress import status_of
 from emovid.survey.records import Participant, Viewing
 from emovid.survey.store import Store

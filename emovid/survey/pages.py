@@ -6,11 +6,11 @@ from dataclasses import replace
 from flask import Blueprint, abort, g, redirect, render_template, request, url_for
 from werkzeug.wrappers import Response
 
-from emovid.survey import codes, visit
+from emovid.survey import codes, session
 from emovid.survey.flow import Page, Step, after_video, before, current, is_open
 from emovid.survey.forms import MOST_MARKS, about_of, answer_of
 from emovid.survey.records import Participant
-from emovid.survey.visit import survey
+from emovid.survey.session import survey
 
 pages = Blueprint("pages", __name__)
 Reply = Response | str | tuple[str, int]
@@ -19,7 +19,7 @@ Reply = Response | str | tuple[str, int]
 @pages.get("/")
 def start() -> Reply:
     """Ask for consent, or go on from where the participant was."""
-    person = visit.participant()
+    person = session.participant()
     return render_template("consent.html") if person is None else _to_current(person)
 
 
@@ -27,9 +27,9 @@ def start() -> Reply:
 def consent() -> Reply:
     """Enrol who agrees; a second time it is the same participant."""
     if survey().store.has_withdrawn(codes.digest(g.code)):  # a page from before that
-        visit.take(codes.fresh_code())
+        session.take(codes.fresh_code())
         abort(403)
-    person = visit.participant()
+    person = session.participant()
     if request.form.get("consent") == "agree":
         return _to_current(person or _enrol())
     if person is None:
@@ -90,7 +90,7 @@ def answer(place: int) -> Reply:
         return _video_page(person, place, response, ratings, missing), 400
     if not survey().store.answer(person.id, place, response, ratings):
         return redirect(url_for(".start"), 303)  # submitted or withdrawn in another tab meanwhile
-    done = replace(visit.progress(person), answered={*person.answers, place})
+    done = replace(session.progress(person), answered={*person.answers, place})
     return _to(after_video(place, done))
 
 
@@ -105,7 +105,7 @@ def review() -> Reply:
 @pages.post("/submit")
 def submit() -> Reply:
     """End the survey of a participant who has answered all; a second time nothing changes."""
-    person = visit.participant()
+    person = session.participant()
     if person is None:
         abort(403)
     survey().store.submit(person.id)
@@ -128,18 +128,18 @@ def _enrol() -> Participant:
 
 def _allowed(step: Step) -> Participant:
     """Return the participant, who may see this page; send who may not to where they can go on."""
-    person = visit.participant()
+    person = session.participant()
     if person is None and request.method == "POST":
         abort(403)
     if person is None:
         abort(redirect(url_for("doors.resume"), 303))
-    if not is_open(step, visit.progress(person)):
+    if not is_open(step, session.progress(person)):
         abort(_to_current(person))
     return person
 
 
 def _to_current(person: Participant) -> Response:
-    return _to(current(visit.progress(person)))
+    return _to(current(session.progress(person)))
 
 
 def _to(step: Step) -> Response:
@@ -148,7 +148,7 @@ def _to(step: Step) -> Response:
 
 def _back(step: Step, person: Participant) -> str:
     """Return the address of the page before, "" where there is none."""
-    former = before(step, visit.progress(person))
+    former = before(step, session.progress(person))
     return _address(former) if former else ""
 
 

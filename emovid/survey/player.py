@@ -5,11 +5,11 @@ from typing import Any
 from flask import Blueprint, abort, request, send_file
 from werkzeug.wrappers import Response
 
-from emovid.survey import gate, visit
+from emovid.survey import session, watch_rules
 from emovid.survey.flow import Page, Step, is_open
 from emovid.survey.forms import play_of, screen_of, watched_of
 from emovid.survey.records import Participant
-from emovid.survey.visit import survey
+from emovid.survey.session import survey
 
 player = Blueprint("player", __name__)
 _KEPT = 24 * 60 * 60  # seconds that a browser keeps a video
@@ -18,7 +18,7 @@ _KEPT = 24 * 60 * 60  # seconds that a browser keeps a video
 @player.get("/media/<name>.mp4")
 def media(name: str) -> Response:
     """Send one of the participant's videos, or the bytes of it that are asked for."""
-    person = visit.participant()
+    person = session.participant()
     if person is None or name not in person.videos:
         abort(404)
     path = survey().kit.folder.video(name).resolve()
@@ -46,21 +46,21 @@ def watched(place: int) -> tuple[dict[str, Any], int]:
         abort(409)
     share, frames = watched_of(report)
     duration, now = _duration(person.videos[place - 1]), store.clock()
-    believed = gate.credited(share, known.started, now, duration)
+    believed = watch_rules.credited(share, known.started, now, duration)
     opened = store.end_play(person.id, place, name, believed, frames, duration)
-    return {"open": opened, "wait": 0 if opened else gate.wait(share, known.started, now, duration)}, 200
+    return {"open": opened, "wait": 0 if opened else watch_rules.wait(share, known.started, now, duration)}, 200
 
 
 def _report(place: int) -> tuple[Participant, dict[str, Any], str]:
     """Return who reports, what, and of which play."""
-    person = visit.participant()
+    person = session.participant()
     if person is None:
         abort(403)
     report = request.get_json()
     name = play_of(report)
     if name is None:
         abort(400)
-    if not is_open(Step(Page.VIDEO, place), visit.progress(person)):
+    if not is_open(Step(Page.VIDEO, place), session.progress(person)):
         abort(409)
     return person, report, name
 

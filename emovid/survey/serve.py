@@ -8,10 +8,10 @@ from typing import Any
 from flask import Flask
 from waitress.server import MultiSocketServer, create_server
 
+from emovid.atomic_io import reason
 from emovid.errors import EmovidError, InputError
 from emovid.survey.app import MOST_BYTES, create_app
 from emovid.survey.open import open_survey
-from emovid.whole_files import reason
 
 _THREADS = 8  # most requests wait for the disk
 _MOST_HEADER = 16 * 1024  # bytes

@@ -8,9 +8,9 @@ from pathlib import Path
 
 from emovid.survey.database import Database
 from emovid.survey.enrolment import next_row
-from emovid.survey.gate import Play, is_open
-from emovid.survey.reading import all_participants, opened_by, participant_of, plays_of
+from emovid.survey.queries import all_participants, opened_by, participant_of, plays_of
 from emovid.survey.records import Order, Participant, Screen, Viewing
+from emovid.survey.watch_rules import Play, is_open
 
 _MOST_PLAYS = 500  # recorded of one video and participant; the rest would only fill the disk
 

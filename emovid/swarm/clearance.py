@@ -12,7 +12,7 @@ import numpy as np
 from emovid.scene.convex import Edge
 from emovid.scene.stage import Stage
 from emovid.swarm.arrays import Array, Indices
-from emovid.swarm.near import pairs_within
+from emovid.swarm.neighbor_pairs import pairs_within
 
 _ROUNDING = 1e-12  # m
 

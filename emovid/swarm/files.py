@@ -8,12 +8,12 @@ from typing import IO, Any
 
 import numpy as np
 
-from emovid.errors import EmovidError, InputError, SceneError
+from emovid.atomic_io import reason, writing
+from emovid.errors import EmovidError, InputError, SourceError
 from emovid.scene.load import Setting, parse_scene, scene_text
 from emovid.scene.model import Scene
 from emovid.scene.safety import Barrier
 from emovid.swarm.trajectory import Trajectory
-from emovid.whole_files import reason, writing
 
 SUFFIXES = (".npz", ".csv")
 _ARRAYS = ("t", "poses", "commands", "stage_cut", "separation_cut")
@@ -47,7 +47,7 @@ def load_trajectory(source: Path, settings: Sequence[Setting] = ()) -> Trajector
     """
     for setting in settings:
         if not setting.key.startswith("video."):
-            raise SceneError(setting.origin, setting.key, f"{source} is a finished run; only video.* can be set")
+            raise SourceError(setting.origin, f"{source} is a finished run; only video.* can be set", key=setting.key)
     try:
         with source.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             scene = parse_scene(str(arrays["scene"]), f"{source}:scene", settings)

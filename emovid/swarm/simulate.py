@@ -32,7 +32,7 @@ def simulate(scene: Scene, on_period: Callable[[int, int], None] | None = None) 
         on_period: called with the number of periods done and their total.
 
     Raises:
-        SceneError: if the robots cannot start where the scene says.
+        SourceError: if the robots cannot start where the scene says.
 
     Warns:
         RuntimeWarning: once, where a barrier's program has no solution: with the time and the robots.
@@ -73,7 +73,7 @@ def simulate(scene: Scene, on_period: Callable[[int, int], None] | None = None) 
 
 
 def check_start(scene: Scene) -> None:
-    """Raise the `SceneError` that `simulate` would, without simulating."""
+    """Raise the `SourceError` that `simulate` would, without simulating."""
     start_poses(scene, np.random.default_rng(scene.seed))
 
 

@@ -12,7 +12,7 @@ from emovid.scene.start import AtPoses, InRegion, InStage, OnContour
 from emovid.swarm.arrays import Array
 from emovid.swarm.clearance import room_on_stage
 from emovid.swarm.contours import followed_points, start_angles, start_headings
-from emovid.swarm.near import pairs_within
+from emovid.swarm.neighbor_pairs import pairs_within
 from emovid.swarm.unicycle import look_ahead
 
 # Darts on the stage for each robot before giving up: at random, discs cover at most 54.7 % of the plane, and the last
@@ -26,7 +26,7 @@ def start_poses(scene: Scene, rng: np.random.Generator) -> Array:
     """Return the poses (N, 3) at t = 0.
 
     Raises:
-        SceneError: where bodies would overlap, leave the stage, or not find room at random.
+        SourceError: where bodies would overlap, leave the stage, or not find room at random.
     """
     match scene.start:
         case OnContour():

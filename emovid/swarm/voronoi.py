@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from emovid.swarm.arrays import Array, Complex, Indices, Mask
-from emovid.swarm.cutting import cut_cells
-from emovid.swarm.near import all_pairs
+from emovid.swarm.cell_clipping import cut_cells
+from emovid.swarm.neighbor_pairs import all_pairs
 
 _FEW = 20  # robots for which pairs are faster than Qhull
 _TOLERANCE = 1e-9  # far above rounding (1e-12), far below what a wrong triangulation gives (1e-3)

@@ -5,10 +5,10 @@ from typing import Self
 
 import numpy as np
 
-from emovid.perspective.pinhole import Pinhole
 from emovid.scene.stage import Stage
 from emovid.scene.view import MARGIN
 from emovid.swarm.arrays import Array
+from emovid.video.pinhole import Pinhole
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,6 @@ from itertools import pairwise
 import numpy as np
 from matplotlib.colors import to_rgba
 
-from emovid.looks import trailed_robots
-from emovid.perspective.solids import Colouring
 from emovid.scene.behaviour import Coverage
 from emovid.scene.video import Video
 from emovid.signals import held_signals
@@ -20,6 +18,8 @@ from emovid.swarm.trajectory import Trajectory
 from emovid.video import overlays
 from emovid.video.camera import AnyCamera
 from emovid.video.canvas import Box, Canvas, Pixels, rgba
+from emovid.video.robot_outlines import trailed_robots
+from emovid.video.solids import Colouring
 from emovid.video.view import VIEWS
 
 _FLATNESS = 0.1  # pixels by which a trail may stray from its arcs

@@ -18,11 +18,11 @@ from typing import IO
 
 import imageio_ffmpeg
 
+from emovid.atomic_io import cause, reason, whole_file, whole_folder
 from emovid.errors import InputError, RenderError
 from emovid.signals import held_signals
 from emovid.video.canvas import Pixels
 from emovid.video.formats import PICTURE, is_picture
-from emovid.whole_files import cause, reason, whole_file, whole_folder
 
 _GRACE = 60  # seconds ffmpeg may take to accept more of a frame, and to finish a file once it has all of them
 _INSTALL = "reinstall imageio-ffmpeg, or set IMAGEIO_FFMPEG_EXE"

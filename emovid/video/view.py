@@ -5,16 +5,16 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.colors import to_rgb
 
-from emovid.looks import robot_parts, robot_rim
-from emovid.perspective.pinhole import Pinhole
-from emovid.perspective.ribbons import ribbon
-from emovid.perspective.solids import Colouring, seen_robots
 from emovid.scene.model import Scene
 from emovid.scene.video import Colours, Video, ViewName
 from emovid.swarm.arrays import Array
 from emovid.swarm.coverage import corners_of
 from emovid.video.camera import Camera
 from emovid.video.canvas import Canvas, Layer, Pixels, rgba
+from emovid.video.pinhole import Pinhole
+from emovid.video.ribbons import ribbon
+from emovid.video.robot_outlines import robot_parts, robot_rim
+from emovid.video.solids import Colouring, seen_robots
 
 _EDGE = 0.1  # width of the line around the stage, over a robot's
 _HALO = 0.04  # width of the light rim that lifts a robot off the trails, over the robot's

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from emovid.atomic_io import file_digest
 from emovid.batch.check import Found, rebuild, rebuildable, status, verify
 from emovid.batch.job import Job
 from emovid.batch.ledger import Ledger
@@ -15,7 +16,6 @@ from emovid.batch.results import write_plan
 from emovid.batch.sweep import items
 from emovid.batch.sweep_file import read_sweep_file
 from emovid.errors import InputError
-from emovid.whole_files import file_digest
 
 SMALL = {"video.size": "96x64", "video.fps": 5, "duration": 0.4}
 

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from emovid.batch import local
 from emovid.batch.local import InProcess, Processes, _Slot
 from emovid.batch.run import run
-from emovid.errors import EmovidError, SceneError
+from emovid.errors import EmovidError, SourceError
 
 
 class DeathError(Exception):
@@ -79,7 +79,7 @@ def _fail(item, on_step):
 @pytest.mark.parametrize(
     ("error", "message"),
     [
-        (SceneError("x.yaml:3", "robots", "too many"), "x.yaml:3: robots: too many"),
+        (SourceError("x.yaml:3", "too many", key="robots"), "x.yaml:3: robots: too many"),
         (OSError(28, "No space left on device"), "no space left on device"),
         (MemoryError(), "not enough memory: fewer robots, a longer control_period or a shorter duration need less"),
     ],

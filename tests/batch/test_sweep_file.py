@@ -11,7 +11,7 @@ from PIL import Image
 from emovid.batch import sweep as sweep_module
 from emovid.batch.sweep import axes, items, shard_of
 from emovid.batch.sweep_file import SweepFile, read_sweep_file
-from emovid.errors import InputError, SceneError
+from emovid.errors import InputError, SourceError
 from emovid.scene.load import find_scene, load_scene
 
 ROOT = Path(__file__).parents[2]
@@ -76,7 +76,7 @@ def test_a_range_of_whole_numbers_fits_a_key_that_counts(read) -> None:
         ("fear", 10),
         ("fear", 15),
     ]
-    with pytest.raises(SceneError, match=r"robots: 5\.5: expected a whole number"):
+    with pytest.raises(SourceError, match=r"robots: 5\.5: expected a whole number"):
         items(read("scenes: [fear]\ngrid: {robots: {from: 5, to: 6, count: 3}}\n"))
 
 
@@ -220,20 +220,20 @@ WRONG = {
 @pytest.mark.parametrize("folder", ["/", "."], ids=["from elsewhere", "from its folder"])
 def test_a_mistake_names_file_line_and_key(read, tmp_path, monkeypatch, folder, text, message) -> None:
     monkeypatch.chdir(tmp_path / folder)
-    with pytest.raises(SceneError) as error:
+    with pytest.raises(SourceError) as error:
         items(read(text))
     assert str(error.value).replace(f"{tmp_path}/", "") == message
 
 
 @pytest.mark.parametrize("text", ["", "{", "[" * 100_000, '{"scenes": 9' + "9" * 5000 + "}"])
 def test_a_plan_that_is_no_json_is_one_line(read, text) -> None:
-    with pytest.raises(SceneError, match=r"plan\.json: not JSON: expected a plan that emovid sweep wrote$"):
+    with pytest.raises(SourceError, match=r"plan\.json: not JSON: expected a plan that emovid sweep wrote$"):
         read(text, "plan.json")
 
 
 def test_a_mistake_in_a_scene_names_the_scene(read, tmp_path) -> None:
     (tmp_path / "mine.yaml").write_text(find_scene("sadness").read_text().replace("robots: 15", "robots: many"))
-    with pytest.raises(SceneError, match=r"mine\.yaml:[0-9]+: robots: 'many': expected a whole number"):
+    with pytest.raises(SourceError, match=r"mine\.yaml:[0-9]+: robots: 'many': expected a whole number"):
         items(read("scenes: [mine.yaml]\n"))
 
 
@@ -254,5 +254,5 @@ def test_the_shipped_sweep_is_valid_and_explains_every_key() -> None:
 
 def test_a_fault_within_a_scene_s_file_is_named_there(read, tmp_path) -> None:
     (tmp_path / "mine.yaml").write_text("emotion: [fear\n")
-    with pytest.raises(SceneError, match=rf"^{re.escape(str(tmp_path))}/mine\.yaml:2: "):
+    with pytest.raises(SourceError, match=rf"^{re.escape(str(tmp_path))}/mine\.yaml:2: "):
         read("scenes: [mine.yaml]\n")

@@ -7,10 +7,10 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from faults import SIGNALS, VICTIMS, at_random, lasting, spoilt
-from memory import SIZES, peak
-from sweeps import DaskTrials, Made, five_hundred
-from trial import NAMES, Fault, reference_run, try_fault
+from tests.helpers.faults import SIGNALS, VICTIMS, at_random, lasting, spoilt
+from tests.helpers.memory import SIZES, peak
+from tests.helpers.sweeps import DaskTrials, Made, five_hundred
+from tests.helpers.trial import NAMES, Fault, reference_run, try_fault
 
 _MARK = "<!-- written by make chaos -->"
 _SPOILT = 10

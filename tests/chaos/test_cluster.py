@@ -9,10 +9,10 @@ import time
 from pathlib import Path
 
 import pytest
-from dask_cluster import dask_cluster
 
 from emovid.batch import cluster
 from emovid.cli.main import main
+from tests.helpers.dask_cluster import dask_cluster
 
 SWEEP = """
 only: trajectory

@@ -8,7 +8,8 @@ import time
 from pathlib import Path
 
 import pytest
-from trial import family, hidden, left_of
+
+from tests.helpers.trial import family, hidden, left_of
 
 EMOVID = [sys.executable, "-m", "emovid"]
 # Who starts the tests in the background may have made SIGINT ignored, and processes inherit that.

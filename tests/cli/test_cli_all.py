@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from terminal import on_a_terminal
 from typer.main import get_command
 
 from emovid.cli.main import app, main
 from emovid.scene.emotions import EMOTIONS
+from tests.helpers.terminal import on_a_terminal
 
 EMOVID = [sys.executable, "-m", "emovid"]
 # As the installed script does: completion asks for the program's name.

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from emovid.cli import checkup
 from emovid.cli.main import main
 from emovid.errors import RenderError
+from emovid.workflows import doctor
 
 
 def found(capsys) -> dict[str, dict]:
@@ -61,7 +61,7 @@ def test_missing_and_old_packages_are_named(capsys, monkeypatch) -> None:
             raise PackageNotFoundError(name)
         return {"numpy": "1.26.4"}.get(name, "999")
 
-    monkeypatch.setattr(checkup, "version", version)
+    monkeypatch.setattr(doctor, "version", version)
     assert main(["doctor", "--json"]) == 1
     check = found(capsys)["packages"]
     assert check["found"] == "numpy 1.26.4 is older than 2.1; scipy is missing"
@@ -70,7 +70,7 @@ def test_missing_and_old_packages_are_named(capsys, monkeypatch) -> None:
 
 def test_an_extra_that_is_missing_does_not_fail(capsys, monkeypatch) -> None:
     needs = ["numpy>=2.1", "nowhere>=1; extra == 'cloud'", "pytest; extra == 'dev'"]
-    monkeypatch.setattr(checkup, "requires", lambda _: needs)
+    monkeypatch.setattr(doctor, "requires", lambda _: needs)
     assert main(["doctor", "--json"]) == 0
     checks = found(capsys)
     assert checks["extra cloud"] == {
@@ -97,11 +97,11 @@ def test_a_browser_is_named_if_there_is_one(capsys, monkeypatch) -> None:
 
 
 def test_a_folder_that_is_full_or_gone_fails(tmp_path, monkeypatch) -> None:
-    assert checkup._writing(tmp_path).passed
-    gone = checkup._writing(tmp_path / "gone")
+    assert doctor._writing(tmp_path).passed
+    gone = doctor._writing(tmp_path / "gone")
     assert (gone.passed, gone.found) == (False, "no such file or directory")
-    monkeypatch.setattr(checkup, "_ROOM", 10**18)
-    full = checkup._writing(tmp_path)
+    monkeypatch.setattr(doctor, "_ROOM", 10**18)
+    full = doctor._writing(tmp_path)
     assert (full.passed, full.needed) == (False, True)
     assert full.remedy.startswith("make room")
 
@@ -118,6 +118,6 @@ def test_a_machine_without_a_temporary_folder_is_told_so(capsys, monkeypatch) ->
 
 
 def test_every_check_that_fails_has_a_remedy_and_no_other(monkeypatch) -> None:
-    monkeypatch.setattr(checkup, "requires", lambda _: ["nowhere"])
-    for check in checkup.checks(Path("/nowhere")):
+    monkeypatch.setattr(doctor, "requires", lambda _: ["nowhere"])
+    for check in doctor.checks(Path("/nowhere")):
         assert bool(check.remedy) == (not check.passed), check

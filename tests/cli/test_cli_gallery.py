@@ -8,14 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from emovid.cli.figure_sources import measures_of, study_results
-from emovid.cli.gallery import gallery, steps
 from emovid.cli.main import main
 from emovid.figures.catalogue import CATALOGUE, MEASURES, STUDY
 from emovid.figures.gallery import Film, Picture, gallery_page
-from emovid.figures.material import Material
+from emovid.figures.run_cache import Material
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, shipped_scene
+from emovid.workflows.figure_sources import measures_of, study_results
+from emovid.workflows.gallery import gallery, steps
 
 ENTRIES = [CATALOGUE[name] for name in ("gritsbot", "happiness-frames", "shapes", "confusion-matrix")]
 SHORT = [Setting("duration", 4, "test"), Setting("video.fps", 10, "test")]

@@ -3,11 +3,11 @@ import shutil
 from pathlib import Path
 
 import pytest
-from terminal import on_a_terminal
 
 from emovid.cli.main import main
 from emovid.kit.load import load_study
 from emovid.kit.read import open_kit
+from tests.helpers.terminal import on_a_terminal
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = (ROOT / "studies" / "example" / "study.yaml").read_text()

@@ -6,13 +6,13 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
-from terminal import on_a_terminal
 
 from emovid.cli.main import main
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import load_scene, shipped_scene
 from emovid.swarm.simulate import simulate
 from emovid.swarm.summary import summarise
+from tests.helpers.terminal import on_a_terminal
 
 EMOVID = [sys.executable, "-m", "emovid"]
 

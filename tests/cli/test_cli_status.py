@@ -4,10 +4,10 @@ import json
 from pathlib import Path
 
 import pytest
-from terminal import on_a_terminal
 
 from emovid.cli.main import main
 from emovid.errors import EmovidError
+from tests.helpers.terminal import on_a_terminal
 
 TINY = ["--size", "96x64", "--fps", "5", "--set", "duration=0.4", "--quiet"]
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 from rich.table import Table
-from terminal import on_a_screen
 
 from emovid.cli.main import main
 from emovid.cli.tables import show_table
 from emovid.scene.emotions import EMOTIONS
+from tests.helpers.terminal import on_a_screen
 
 STUDIES = Path(__file__).parents[2] / "studies"
 COUNTS = STUDIES / "santos-egerstedt" / "counts.csv"

@@ -5,10 +5,10 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from terminal import on_a_terminal
 
 from emovid.cli import progress
 from emovid.cli.progress import reporter
+from tests.helpers.terminal import on_a_terminal
 
 
 @pytest.fixture(autouse=True)

@@ -9,17 +9,17 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import exports
 import pytest
 import yaml
-from crowd import Crowd
-from pages import DOCS, ROOT, Keys, agrees, in_tables, mentioned, pages, steps
-from served import serving
-from small_survey import small_kit
 from typer.main import get_command
 
 from emovid.cli.main import app
-from emovid.study.dialects.registry import DIALECTS
+from emovid.responses.dialects.registry import DIALECTS
+from tests.helpers import exports
+from tests.helpers.crowd import Crowd
+from tests.helpers.pages import DOCS, ROOT, Keys, agrees, in_tables, mentioned, pages, steps
+from tests.helpers.served import serving
+from tests.helpers.small_survey import small_kit
 
 ENV = {
     **os.environ,

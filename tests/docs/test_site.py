@@ -6,7 +6,8 @@ import subprocess
 import sys
 
 import pytest
-from pages import ROOT
+
+from tests.helpers.pages import ROOT
 
 
 @pytest.fixture(scope="module")

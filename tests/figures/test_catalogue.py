@@ -13,18 +13,18 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.font_manager import findfont
 from matplotlib.text import Text
-from pdf import all_fonts_are_embedded_truetype, font_sizes, objects, page_box
 
-from emovid.cli.figure_sources import measures_of, study_results
-from emovid.cli.gallery import GALLERY
-from emovid.cli.moments import CONTACT, FRAMES
 from emovid.errors import InputError
 from emovid.figures.catalogue import CATALOGUE, MEASURES, STUDY, TEXTS, WIDTHS
-from emovid.figures.material import Material
+from emovid.figures.run_cache import Material
 from emovid.figures.style import DOUBLE_COLUMN, FORMATS, SINGLE_COLUMN, in_style
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting
 from emovid.swarm.simulate import simulate
+from emovid.workflows.figure_sources import measures_of, study_results
+from emovid.workflows.gallery import GALLERY
+from emovid.workflows.snapshots import CONTACT, FRAMES
+from tests.helpers.pdf import all_fonts_are_embedded_truetype, font_sizes, objects, page_box
 
 ROOT = Path(__file__).parents[2]
 NAMES = list(CATALOGUE)
@@ -144,7 +144,7 @@ def test_the_page_on_figures_says_for_each_how_to_make_it_and_what_makes_it() ->
 
 def test_material_is_made_once(monkeypatch) -> None:
     made = []
-    monkeypatch.setattr("emovid.figures.material.simulate", lambda scene: made.append(scene) or simulate(scene))
+    monkeypatch.setattr("emovid.figures.run_cache.simulate", lambda scene: made.append(scene) or simulate(scene))
     material = Material(
         [Setting("duration", 1, "test"), Setting("seed", 7, "test")], {"x": lambda _: made.append("x") or 5}
     )

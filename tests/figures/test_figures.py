@@ -18,7 +18,6 @@ from matplotlib.font_manager import findfont
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Rectangle
 from matplotlib.text import Text
-from pdf import all_fonts_are_embedded_truetype, font_sizes, objects, page_box
 
 from emovid.errors import InputError
 from emovid.figures.accuracy import accuracy_figure
@@ -36,6 +35,7 @@ from emovid.figures.style import (
     save,
     text_on,
 )
+from tests.helpers.pdf import all_fonts_are_embedded_truetype, font_sizes, objects, page_box
 
 EMOTIONS = ("happiness", "surprise", "anger", "fear", "disgust", "sadness")
 COUNTS = np.array(
@@ -127,7 +127,8 @@ def test_the_users_settings_change_nothing_and_stay(figure) -> None:
 
 def test_two_runs_give_the_same_bytes(tmp_path) -> None:
     script = (
-        "import sys; from pathlib import Path; sys.path.insert(0, sys.argv[1]); import test_figures as t\n"
+        "import sys; from pathlib import Path; sys.path.insert(0, sys.argv[1])\n"
+        "from tests.figures import test_figures as t\n"
         "for figure in t.FIGURES:\n"
         "    for format in t.FORMATS:\n"
         "        t.save(figure(), Path(f'{figure.__name__}.{format}'))\n"
@@ -139,7 +140,7 @@ def test_two_runs_give_the_same_bytes(tmp_path) -> None:
         folder.mkdir()
         (folder / "matplotlibrc").write_text("font.size: 17\naxes.linewidth: 5\n")
         environment = os.environ | {"PYTHONHASHSEED": seed, "SOURCE_DATE_EPOCH": seed}
-        command = [sys.executable, "-W", "error", "-c", script, Path(__file__).parent]
+        command = [sys.executable, "-W", "error", "-c", script, Path(__file__).parents[2]]
         subprocess.run(command, check=True, cwd=folder, env=environment)
         made.append({path.name: path.read_bytes() for path in folder.glob("*.*")})
     assert len(made[0]) == len(FIGURES) * len(FORMATS)

@@ -10,10 +10,10 @@ from matplotlib.text import Text
 from emovid.figures.frames import frames_figure, traces_figure
 from emovid.figures.style import DOUBLE_COLUMN, SINGLE_COLUMN
 from emovid.figures.top_view import slices
-from emovid.looks import trailed_robots
 from emovid.scene.video import THEMES
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
+from emovid.video.robot_outlines import trailed_robots
 
 TIMES = (0, 0.7, 2.5)
 

@@ -4,7 +4,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from golden import (
+from matplotlib.text import Text
+from PIL import Image
+
+from emovid.figures.catalogue import CATALOGUE, Entry
+from emovid.scene.load import load_scene, scene_text
+from emovid.swarm.files import load_trajectory
+from emovid.swarm.simulate import simulate
+from emovid.swarm.start import start_poses
+from tests.helpers.golden import (
     FOLDER,
     SMALLER,
     TOLERANCE,
@@ -15,14 +23,6 @@ from golden import (
     small,
     stored_run,
 )
-from matplotlib.text import Text
-from PIL import Image
-
-from emovid.figures.catalogue import CATALOGUE, Entry
-from emovid.scene.load import load_scene, scene_text
-from emovid.swarm.files import load_trajectory
-from emovid.swarm.simulate import simulate
-from emovid.swarm.start import start_poses
 
 SCENES = sorted({name for entry in CATALOGUE.values() for name in entry.emotions})
 ALIKE = 1e-3  # m: rounding grows to 1e-6 m in the first second of anger, the most chaotic scene

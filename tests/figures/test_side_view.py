@@ -10,10 +10,10 @@ from matplotlib.text import Text
 
 from emovid.figures.frames import frames_figure
 from emovid.figures.robotarium import OVERHEAD_VIDEOS, PERSPECTIVE_VIDEOS, overhead_figure, perspective_figure
-from emovid.perspective.pinhole import Pinhole
 from emovid.scene.emotions import EMOTIONS
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
+from emovid.video.pinhole import Pinhole
 
 
 @pytest.fixture(scope="module")

@@ -3,9 +3,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from tiny import make_kit
 
 from emovid.kit.folders import set_times
+from tests.helpers.tiny import make_kit
 
 
 @pytest.fixture(scope="session")

@@ -9,7 +9,6 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from tiny import LABELS, SEED, STUDY, Silent, make_kit, write_study
 
 from emovid.errors import InputError
 from emovid.kit.audit import audit
@@ -22,6 +21,7 @@ from emovid.kit.read import open_kit
 from emovid.scene.load import Setting, load_scene, scene_digest
 from emovid.swarm.simulate import simulate
 from emovid.video.render import render_video
+from tests.helpers.tiny import LABELS, SEED, STUDY, Silent, make_kit, write_study
 
 
 class Found(set):

@@ -8,19 +8,19 @@ import stat
 from pathlib import Path
 
 import pytest
-from tiny import LABELS, SEED, STUDY, Silent, make_kit, write_study
 
-from emovid.errors import EmovidError, InputError, SceneError
+from emovid.errors import EmovidError, InputError, SourceError
 from emovid.kit.build import build
 from emovid.kit.load import load_study
 from emovid.kit.orders import balance_of
-from emovid.kit.secret import draw, is_code
+from emovid.kit.seeded_random import draw, is_code
 from emovid.kit.stimuli import blinded, run_of, tinted
+from emovid.responses.key import read_key
+from emovid.responses.labels import Labels
+from emovid.responses.mapping import read_mapping
 from emovid.scene.load import load_scene
-from emovid.study.key import read_key
-from emovid.study.labels import Labels
-from emovid.study.mapping import read_mapping
 from emovid.video.encode import count_frames
+from tests.helpers.tiny import LABELS, SEED, STUDY, Silent, make_kit, write_study
 
 
 def files(folder: Path) -> dict[str, str]:
@@ -180,7 +180,7 @@ def test_a_random_start_without_room_is_drawn_again_and_not_for_ever(tmp_path, m
         def check(scene) -> None:
             tried.append(scene.seed)
             if len(tried) < most:
-                raise SceneError("", "robots", "do not fit")
+                raise SourceError("", "do not fit", key="robots")
 
         return check
 
@@ -190,7 +190,7 @@ def test_a_random_start_without_room_is_drawn_again_and_not_for_ever(tmp_path, m
     assert tried[:4] == [draw(SEED, "run", item.code, attempt) % 2**63 for attempt in range(4)]
     tried.clear()
     monkeypatch.setattr("emovid.kit.stimuli.check_start", refused_until(10**6))
-    with pytest.raises(SceneError, match="do not fit"):
+    with pytest.raises(SourceError, match="do not fit"):
         blinded(loaded, SEED)
     assert len(set(tried)) == len(tried) == 50
 

@@ -9,16 +9,16 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tiny import LABELS, STUDY, make_kit
 
 from emovid.errors import InputError
 from emovid.kit.audit import audit
 from emovid.kit.export import TOOLS, export
 from emovid.kit.exports.facts import OPEN
 from emovid.kit.read import Kit, open_kit
-from emovid.study.analyze import analyze
-from emovid.study.power import plan
-from emovid.study.read import read_responses
+from emovid.responses.read import read_responses
+from emovid.statistics.analyze import analyze
+from emovid.statistics.power import plan
+from tests.helpers.tiny import LABELS, STUDY, make_kit
 
 # Labels that no dictionary of ours knows, in another script, with marks that formats must quote.
 GREEK = """\

@@ -3,12 +3,12 @@ from pathlib import Path
 
 import pytest
 from pydantic import BaseModel
-from tiny import STUDY, write_study
 
 from emovid.errors import EmovidError
 from emovid.kit.load import load_study
 from emovid.kit.model import Study
-from emovid.yaml_text import read_yaml
+from emovid.yaml_source import read_yaml
+from tests.helpers.tiny import STUDY, write_study
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "studies" / "example"

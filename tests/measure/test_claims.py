@@ -3,8 +3,8 @@ from math import nan
 
 import pytest
 
+from emovid.measure.claim_metrics import evidence
 from emovid.measure.claims import CLAIMS, NOT_APPLIED, Claim, Quantity, excepted, judge
-from emovid.measure.evidence import evidence
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, load_scene
 from emovid.swarm.simulate import simulate

@@ -2,13 +2,13 @@ from math import isnan
 
 import numpy as np
 import pytest
-from driven import driven, standing
 
 from emovid.measure.convergence import convergence, lloyd, mean_cost
 from emovid.measure.window import Window
 from emovid.swarm.coverage import corners_of
 from emovid.swarm.densities import density_of
 from emovid.swarm.simulate import simulate
+from tests.helpers.driven import driven, standing
 
 
 def of(run) -> dict[str, float]:

@@ -2,13 +2,13 @@ from math import isnan
 
 import numpy as np
 import pytest
-from driven import driven, ring, standing
 from hypothesis import given
 from hypothesis import strategies as st
 
 from emovid.measure.crowding import crowding, order
-from emovid.measure.ground import ground_of
+from emovid.measure.stage_geometry import ground_of
 from emovid.measure.window import Window
+from tests.helpers.driven import driven, ring, standing
 
 TRIANGLE = [{"x": 0.0, "y": 0.0}, {"x": 0.9, "y": 0.0}, {"x": 0.0, "y": 1.2}]  # sides 0.9, 1.2 and 1.5
 

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from driven import standing
 
 from emovid.errors import InputError
 from emovid.measure.describe import DESCRIPTORS, FAMILIES, describe
@@ -13,6 +12,7 @@ from emovid.measure.window import Window, window_of
 from emovid.scene.emotions import EMOTIONS
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
+from tests.helpers.driven import standing
 
 DOCS = Path(__file__).parents[2] / "docs" / "descriptors.md"
 

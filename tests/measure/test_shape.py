@@ -2,13 +2,13 @@ from math import isnan
 
 import numpy as np
 import pytest
-from driven import driven, ring, standing
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emovid.measure.ground import ground_of
 from emovid.measure.shape import hull_of, shape
+from emovid.measure.stage_geometry import ground_of
 from emovid.measure.window import Window
+from tests.helpers.driven import driven, ring, standing
 
 
 def of(run) -> dict[str, float]:

@@ -2,12 +2,12 @@ from math import inf, isnan, log
 
 import numpy as np
 import pytest
-from driven import driven, standing
 from hypothesis import given
 from hypothesis import strategies as st
 
 from emovid.measure.smoothness import log_dimensionless_jerk, smoothness, sparc
 from emovid.measure.window import Window
+from tests.helpers.driven import driven, standing
 
 
 def minimum_jerk(samples: int) -> np.ndarray:

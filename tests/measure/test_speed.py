@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
-from driven import driven
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emovid.measure.ground import ground_of
 from emovid.measure.speed import quantile, speed
+from emovid.measure.stage_geometry import ground_of
 from emovid.measure.window import Window
+from tests.helpers.driven import driven
 
 
 @pytest.fixture(scope="module")

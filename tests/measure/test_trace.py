@@ -3,7 +3,6 @@ from math import isnan
 
 import numpy as np
 import pytest
-from driven import driven, refined
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -11,6 +10,7 @@ from emovid.measure.trace import near_corner, trace, turning, turns, visible_ste
 from emovid.measure.window import Window, window_of
 from emovid.scene.emotions import EMOTIONS
 from emovid.swarm.simulate import simulate
+from tests.helpers.driven import driven, refined
 
 STEP = 0.005  # of a GRITSBot
 

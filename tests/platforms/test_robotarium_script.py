@@ -9,11 +9,10 @@ from importlib.metadata import version
 
 import numpy as np
 import pytest
-import rps_stand_in
 from PIL import Image
 
 from emovid.cli.main import main
-from emovid.errors import SceneError
+from emovid.errors import SourceError
 from emovid.measure.describe import describe
 from emovid.platforms.robotarium import ARENAS, robotarium_script
 from emovid.scene.behaviour import Coverage
@@ -27,6 +26,7 @@ from emovid.swarm.projection import nearest_within
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
 from emovid.swarm.unicycle import wrapped
+from tests.helpers import rps_stand_in
 
 ROUND, SPREAD = ("happiness", "surprise", "sadness"), ("fear", "disgust", "anger")
 TODAY = ARENAS["3.2x2.0"]
@@ -280,7 +280,7 @@ def test_what_the_robotarium_cannot_run_is_refused_in_one_line(emotion, keys, me
     if message is None:
         start = {"place": "stage", "min_spacing": 0.2}
         keys, message = {"robots": 21, "start": start}, "test robots: robots: 21: the Robotarium has at most 20"
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(SourceError) as caught:
         robotarium_script(scene_of(emotion, **keys), "scene", TODAY)
     assert str(caught.value) == message
 
@@ -290,7 +290,7 @@ def test_a_start_that_counts_as_a_collision_is_refused() -> None:
         "place": "poses",
         "poses": [{"x": -0.085, "y": 0, "heading": 0}, {"x": 0.085, "y": 0, "heading": np.pi}],
     }
-    with pytest.raises(SceneError, match=r"robots: two would start 120 mm apart; a collision there is at 135$"):
+    with pytest.raises(SourceError, match=r"robots: two would start 120 mm apart; a collision there is at 135$"):
         robotarium_script(scene_of("fear", robots=2, start=face_to_face, safety__spacing=0.135), "scene", TODAY)
 
 

@@ -2,7 +2,7 @@ from math import degrees, pi, radians
 
 import pytest
 
-from emovid.errors import SceneError
+from emovid.errors import SourceError
 from emovid.scene.stage import Rectangle
 from emovid.scene.video import CameraKeys, Video
 from emovid.scene.view import aim_of, view_faults
@@ -65,7 +65,7 @@ def test_a_camera_that_would_see_more_than_a_flat_picture_shows_is_refused() -> 
 def test_the_camera_of_an_overhead_view_is_not_held_against_the_stage(make_scene) -> None:
     keys = {"video.camera.field_of_view": 2.0}
     assert make_scene("fear", keys).video.view == "overhead"
-    with pytest.raises(SceneError, match="2: the stage is not in view"):
+    with pytest.raises(SourceError, match="2: the stage is not in view"):
         make_scene("fear", keys | {"video.view": "perspective"})
 
 

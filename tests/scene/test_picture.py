@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from emovid.errors import SceneError
+from emovid.errors import SourceError
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import load_scene, parse_scene, scene_digest, scene_text, shipped_scene
 from emovid.scene.picture import MAX_BYTES, MAX_SIDE, picture_of
@@ -107,14 +107,14 @@ SPOILT = {
 
 def test_an_animation_without_frames_is_a_broken_picture(scene_file, tmp_path) -> None:
     animated_without_frames(tmp_path / "maps" / "map.png")
-    with pytest.raises(SceneError, match=r"behaviour.density.file: maps/map.png: a broken PNG$"):
+    with pytest.raises(SourceError, match=r"behaviour.density.file: maps/map.png: a broken PNG$"):
         load_scene(scene_file)
 
 
 @pytest.mark.parametrize("message", SPOILT)
 def test_a_picture_that_cannot_be_meant_is_one_line(scene_file, tmp_path, message) -> None:
     SPOILT[message](tmp_path / "maps" / "map.png")
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(SourceError) as caught:
         load_scene(scene_file)
     line = 1 + scene_file.read_text().splitlines().index("    file: maps/map.png")
     assert str(caught.value) == f"{scene_file}:{line}: behaviour.density.file: maps/map.png: {message}"
@@ -132,7 +132,7 @@ def test_a_picture_that_cannot_be_meant_is_one_line(scene_file, tmp_path, messag
 )
 def test_keys_that_cannot_be_meant_are_one_line(scene_file, old, new, message) -> None:
     scene_file.write_text(scene_file.read_text().replace(old, new))
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(SourceError) as caught:
         load_scene(scene_file)
     assert f"behaviour.density.{message}" in str(caught.value)
 
@@ -145,10 +145,10 @@ def test_a_part_of_a_sum_is_named_in_full() -> None:
     where = f"f.yaml:{1 + text.splitlines().index('          sigma: {sigma}')}: behaviour.density.parts.1.density"
     assert len(parse_scene(text.format(sigma=0.1), "f.yaml").behaviour.density.parts) == 2
     for sigma, message in ((0.001, "sigma: 0.001: expected at least 0.008"), ("a", "sigma: 'a': expected a number")):
-        with pytest.raises(SceneError) as caught:
+        with pytest.raises(SourceError) as caught:
             parse_scene(text.format(sigma=sigma), "f.yaml")
         assert str(caught.value).startswith(f"{where}.{message}")
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(SourceError) as caught:
         parse_scene(text.format(sigma=0.1).replace("sigma", "sigmo"), "f.yaml")
     assert str(caught.value).startswith(
         f"{where}.sigmo: unknown key (did you mean behaviour.density.parts.1.density.sig"

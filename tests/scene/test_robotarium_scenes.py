@@ -7,7 +7,7 @@ from emovid.scene.emotions import EMOTIONS, PLATFORMS
 from emovid.scene.load import load_scene, shipped_names, shipped_scene
 from emovid.scene.model import Scene
 from emovid.scene.safety import Barrier
-from emovid.yaml_text import read_yaml
+from emovid.yaml_source import read_yaml
 
 TIMES = {"robotarium": 8, "robotarium-today": 5}  # how many times as slow as in simulation
 ARENAS = {"robotarium": (4.3, 3.6), "robotarium-today": (3.2, 2.0)}

@@ -10,7 +10,7 @@ import jsonschema
 import pytest
 
 from emovid.cli.main import main
-from emovid.errors import SceneError
+from emovid.errors import SourceError
 from emovid.scene.load import Setting, load_scene, parse_scene, scene_digest, scene_text
 from emovid.scene.robot_files import load_robot, shipped_robots
 from emovid.scene.robots import Limits
@@ -128,15 +128,15 @@ def test_limits_of_the_model_are_those_of_its_file() -> None:
 def test_limits_of_the_model_are_those_of_a_robot_written_in_the_scene(limits) -> None:
     body = {"kinematics": "unicycle", "shape": {"kind": "circle", "radius": 0.01}, "height": 0.02}
     assert scene_of(body | {"limits": limits}, limits="model").robot.limits == Limits(**limits)
-    with pytest.raises(SceneError, match=r"test: robot.limits: model: a robot has none; expected null or limits"):
+    with pytest.raises(SourceError, match=r"test: robot.limits: model: a robot has none; expected null or limits"):
         scene_of(body, limits="model")
-    with pytest.raises(SceneError, match=r"test: robot.limits: model: a beetle has none"):
+    with pytest.raises(SourceError, match=r"test: robot.limits: model: a beetle has none"):
         scene_of(body | {"name": "beetle"}, limits="model")
 
 
 @pytest.mark.parametrize("model", [3, None, ["gritsbot"]])
 def test_limits_of_no_model_are_said_to_need_one(model) -> None:
-    with pytest.raises(SceneError, match=r"test: robot.model: .*: expected a robot's name"):
+    with pytest.raises(SourceError, match=r"test: robot.model: .*: expected a robot's name"):
         scene_of(model, limits="model")
 
 
@@ -149,7 +149,7 @@ def test_a_robot_can_be_written_in_the_scene() -> None:
 def test_a_broken_robot_is_one_line_that_names_its_file_and_line(path, capsys, monkeypatch, tmp_path) -> None:
     monkeypatch.chdir(ROOT)
     expected = path.read_text().splitlines()[0].removeprefix("# expected: ")
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(SourceError) as caught:
         load_robot(path.relative_to(ROOT))
     assert str(caught.value) == expected
     scene = (ROOT / "configs" / "sadness.yaml").read_text().replace("model: gritsbot", f"model: {path}")
@@ -165,7 +165,7 @@ def test_there_is_a_broken_robot_of_every_kind() -> None:
 
 def test_an_empty_file_is_no_robot(tmp_path) -> None:
     (tmp_path / "empty.yaml").write_text("# nothing\n")
-    with pytest.raises(SceneError, match=r"empty.yaml: empty: expected a robot$"):
+    with pytest.raises(SourceError, match=r"empty.yaml: empty: expected a robot$"):
         load_robot(tmp_path / "empty.yaml")
 
 
@@ -190,7 +190,7 @@ def test_robots_are_listed(capsys) -> None:
 
 @pytest.mark.parametrize("name", ["x" * 300 + ".yaml", "robot.yaml\n"])
 def test_a_name_that_no_file_can_have_is_refused_in_one_line(name: str) -> None:
-    with pytest.raises(SceneError, match=r"^test: robot.model: ") as caught:
+    with pytest.raises(SourceError, match=r"^test: robot.model: ") as caught:
         scene_of(name)
     assert "\n" not in str(caught.value)
 

@@ -6,7 +6,7 @@ import pytest
 
 from emovid.cli.main import main
 from emovid.cli.options import settings
-from emovid.errors import SceneError
+from emovid.errors import SourceError
 from emovid.scene.load import load_scene
 from emovid.scene.model import Scene
 
@@ -83,7 +83,7 @@ def test_every_kind_of_fault_has_a_broken_scene():
 )
 def test_a_broken_item_is_named_and_not_called_too_few(key, corners, expected):
     shape = {"robot.model": BOX | {"shape": {"kind": "polygon"}}} if "shape" in key else {"stage": {}}
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(SourceError) as caught:
         load_scene("anger", shape | {key: corners})
     assert str(caught.value) == expected
 
@@ -103,7 +103,7 @@ def test_a_broken_item_is_named_and_not_called_too_few(key, corners, expected):
     ],
 )
 def test_keys_that_go_with_others_only_are_refused(source, keys, expected):
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(SourceError) as caught:
         load_scene(source, keys)
     assert f"{caught.value.key}: {caught.value.message}".startswith(expected)
 
@@ -121,12 +121,12 @@ def test_keys_that_go_with_others_only_are_refused(source, keys, expected):
 )
 def test_the_bound_that_a_message_names_is_allowed(source, key, given, others):
     keys = others | {"snapshots": None}
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(SourceError) as caught:
         load_scene(source, keys | {key: given})
     assert caught.value.key == key
     bound = float(re.findall(r"[0-9][0-9.]*", caught.value.message)[-1])
     load_scene(source, keys | {key: bound})
-    with pytest.raises(SceneError, match=key):  # and nothing much beyond it
+    with pytest.raises(SourceError, match=key):  # and nothing much beyond it
         load_scene(source, keys | {key: bound * (1 + copysign(1e-3, given - bound))})
 
 
@@ -134,7 +134,7 @@ def test_the_bound_that_a_message_names_is_allowed(source, key, given, others):
     ("key", "source"), [("stage.width", "anger"), ("stage.height", "anger"), ("safety.period", "robotarium/anger")]
 )
 def test_a_number_too_small_to_divide_by_is_one_line(key, source):
-    with pytest.raises(SceneError, match=rf"^--set {key}=5e-324: {key}: 5e-324: expected at least 1e-06$"):
+    with pytest.raises(SourceError, match=rf"^--set {key}=5e-324: {key}: 5e-324: expected at least 1e-06$"):
         overridden(f"{key}=5e-324", source=source)
 
 
@@ -222,7 +222,7 @@ def test_override_is_named(options, expected, capsys, tmp_path):
 
 @pytest.mark.parametrize("key", ["²", "start.poses.².x", "9" * 5000, "robot.", ".", "robot..K", "robot.K.0"])
 def test_override_of_an_odd_key_is_a_scene_error(key):
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(SourceError) as caught:
         overridden(f"{key}=1")
     assert str(caught.value).startswith("--set ")
 
@@ -270,7 +270,7 @@ def test_override_sets_an_item_of_a_list():
 
 
 def test_override_of_an_item_of_a_list_is_named():
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(SourceError) as caught:
         overridden("start.poses.1.x=east", source="configs/errors/poses_overlap.yaml")
     assert str(caught.value) == "--set start.poses.1.x=east: start.poses.1.x: 'east': expected a number"
 
@@ -287,5 +287,5 @@ def test_override_with_nothing_is_null():
 
 
 def test_override_may_have_an_equals_sign_in_its_value():
-    with pytest.raises(SceneError, match=r"^--set emotion=a=b: emotion: 'a=b': expected one of happiness, "):
+    with pytest.raises(SourceError, match=r"^--set emotion=a=b: emotion: 'a=b': expected one of happiness, "):
         overridden("emotion=a=b")

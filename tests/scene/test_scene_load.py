@@ -8,12 +8,12 @@ import yaml
 from jsonschema import Draft202012Validator
 from pydantic import ValidationError
 
-from emovid.errors import SceneError
+from emovid.errors import SourceError
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, find_scene, load_scene, parse_scene, scene_digest, scene_text, shipped_scene
 from emovid.scene.model import Scene
 from emovid.scene.schema import scene_schema
-from emovid.yaml_text import read_yaml
+from emovid.yaml_source import read_yaml
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 DOI = "10.1007/s12369-020-00665-6"
@@ -259,7 +259,7 @@ def test_schema_rejects_what_the_scene_rejects(key, value):
     data = raw_of("happiness")
     data[key] = value
     assert not Draft202012Validator(scene_schema()).is_valid(data)
-    with pytest.raises(SceneError):
+    with pytest.raises(SourceError):
         parse_scene(yaml.safe_dump(data), "f.yaml")
 
 
@@ -268,7 +268,7 @@ def test_schema_wants_what_the_scene_wants(key):
     data = raw_of("happiness")
     del data[key]
     assert not Draft202012Validator(scene_schema()).is_valid(data)
-    with pytest.raises(SceneError, match=rf": {key}: missing"):
+    with pytest.raises(SourceError, match=rf": {key}: missing"):
         parse_scene(yaml.safe_dump(data), "f.yaml")
 
 
@@ -297,7 +297,7 @@ def test_scene_pickles_with_its_places():
 def test_fault_pickles():
     fault = parse_scene(SHORT, "f.yaml").fault("robots", "too many")
     copied = pickle.loads(pickle.dumps(fault))  # noqa: S301 - it is our own
-    assert isinstance(copied, SceneError)
+    assert isinstance(copied, SourceError)
     assert (str(copied), copied.where, copied.key) == ("f.yaml:10: robots: too many", "f.yaml:10", "robots")
 
 
@@ -354,7 +354,7 @@ def test_values_that_keys_are_replaced_by_stay_as_they_are() -> None:
 
 def test_keys_are_replaced_by_a_mapping_too_and_a_wrong_one_is_named() -> None:
     assert load_scene("anger", {"robot.l": 0.002, "video": {"fps": 5}}).video.fps == 5
-    with pytest.raises(SceneError, match=r"^robot\.k: unknown key \(did you mean robot\.K\?\)$"):
+    with pytest.raises(SourceError, match=r"^robot\.k: unknown key \(did you mean robot\.K\?\)$"):
         load_scene("anger", {"robot.k": 2})
 
 
@@ -372,7 +372,7 @@ def test_a_run_made_shorter_from_outside_ends_with_its_last_snapshot(duration, s
 
 def test_a_snapshot_after_the_end_that_stands_beside_it_is_a_mistake() -> None:
     def said(text: str, *settings: Setting) -> str:
-        with pytest.raises(SceneError) as caught:
+        with pytest.raises(SourceError) as caught:
             parse_scene(text, "my.yaml", settings)
         return str(caught.value)
 
@@ -395,5 +395,5 @@ def test_a_snapshot_after_the_end_that_stands_beside_it_is_a_mistake() -> None:
      ("[0, 12]", "short", "duration: 'short': expected a number")],
 )  # fmt: skip
 def test_a_shorter_run_hides_no_other_mistake(snapshots, duration, said) -> None:
-    with pytest.raises(SceneError, match=rf"^\S+: {re.escape(said)}"):
+    with pytest.raises(SourceError, match=rf"^\S+: {re.escape(said)}"):
         parse_scene(f"{SHORT}snapshots: {snapshots}\n", "my.yaml", [Setting("duration", duration, "--set")])

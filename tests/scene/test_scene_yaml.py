@@ -5,10 +5,10 @@ import yaml
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from emovid.errors import SceneError
+from emovid.errors import SourceError
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import parse_scene, scene_text
-from emovid.yaml_text import read_value, read_yaml
+from emovid.yaml_source import read_value, read_yaml
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 SHIPPED = {emotion: (CONFIGS / f"{emotion}.yaml").read_text(encoding="utf-8") for emotion in EMOTIONS}
@@ -21,13 +21,13 @@ def value_of(text):
 def scene_or_error(text):
     try:
         return parse_scene(text, "scene.yaml")
-    except SceneError as error:
+    except SourceError as error:
         return error
 
 
 def assert_scene_or_one_line(text):
     found = scene_or_error(text)
-    if isinstance(found, SceneError):
+    if isinstance(found, SourceError):
         assert str(found).startswith("scene.yaml")
         assert len(str(found).splitlines()) == 1
     else:
@@ -90,7 +90,7 @@ def test_single_values(text, value):
 
 @pytest.mark.parametrize("text", ["[", "a: b: c", "*a", "!x 1", "1\n---\n2"])
 def test_single_value_that_is_none_names_the_option_without_a_line(text):
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(SourceError) as caught:
         read_value(text, "--set x")
     assert caught.value.where == "--set x"
 
@@ -160,7 +160,7 @@ def test_places_are_file_and_line(line_break):
     ],
 )
 def test_refusals(text, message):
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(SourceError) as caught:
         read_yaml(text, "f.yaml")
     assert str(caught.value) == message
 
@@ -169,18 +169,18 @@ def test_refusals(text, message):
     "text", ["a: !!float 15", "a: !!str b", "a: ! b", "a: !!map {}", "a: !!seq []", "!!map {a: 1}"]
 )
 def test_tags_are_refused_even_where_they_change_nothing(text):
-    with pytest.raises(SceneError, match="tags"):
+    with pytest.raises(SourceError, match="tags"):
         read_yaml(text, "f.yaml")
 
 
 @pytest.mark.parametrize("text", ["a: &b 1", "a: &b {}", "a: &b []", "&b {a: 1}", "a: &b 1\nc: *b", "a: &b [*b]"])
 def test_anchors_are_refused_used_or_not(text):
-    with pytest.raises(SceneError, match="anchors"):
+    with pytest.raises(SourceError, match="anchors"):
         read_yaml(text, "f.yaml")
 
 
 def test_key_with_a_line_break_is_one_line():
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(SourceError) as caught:
         parse_scene(SHIPPED["fear"] + '"a\\nb\\u2028c": 1\n', "f.yaml")
     assert len(str(caught.value).splitlines()) == 1
     assert "unknown key" in str(caught.value)
@@ -188,7 +188,7 @@ def test_key_with_a_line_break_is_one_line():
 
 @pytest.mark.parametrize("text", ['"\\U00110000": 1', 'a: "\\UFFFFFFFF"', f"%YAML {'9' * 5000}.1\n---\na: 1"])
 def test_numbers_that_python_cannot_take_are_no_yaml(text):
-    with pytest.raises(SceneError, match=r"^f\.yaml.*not YAML: "):
+    with pytest.raises(SourceError, match=r"^f\.yaml.*not YAML: "):
         read_yaml(text, "f.yaml")
 
 

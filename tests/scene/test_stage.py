@@ -3,11 +3,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import linprog
-from stages import HEXAGON, THIN, TRIANGLE, convex_corners, keys_of, polygon
 
 from emovid.scene.convex import edges_of, first_fault, inradius_of, outline_of
 from emovid.scene.load import Setting, load_scene, parse_scene, scene_digest, scene_text
 from emovid.scene.stage import Rectangle
+from tests.helpers.stages import HEXAGON, THIN, TRIANGLE, convex_corners, keys_of, polygon
 
 BOX = [(-0.6, -0.4), (0.6, -0.4), (0.6, 0.4), (-0.6, 0.4)]
 EITHER_WAY = st.sampled_from([1, -1])

@@ -4,13 +4,13 @@ from pathlib import Path
 
 import pytest
 from flask import Flask
-from small_survey import small_kit
-from visitor import Clock, Visitor
 
 from emovid.kit.read import Kit, open_public
 from emovid.survey.app import create_app
+from emovid.survey.session import Survey
 from emovid.survey.store import Store
-from emovid.survey.visit import Survey
+from tests.helpers.small_survey import small_kit
+from tests.helpers.visitor import Clock, Visitor
 
 
 @pytest.fixture(scope="session")

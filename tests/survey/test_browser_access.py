@@ -3,8 +3,9 @@
 import re
 
 import pytest
-from participant import DESKTOP, PHONE
-from served import serving
+
+from tests.helpers.participant import DESKTOP, PHONE
+from tests.helpers.served import serving
 
 playwright_axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="no axe-core: NOT TRIED")
 

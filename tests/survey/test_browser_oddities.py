@@ -1,9 +1,10 @@
 """What pages must stand: questions with the names of their own parts, odd addresses, a hasty second play."""
 
 import pytest
-from participant import Participant
-from served import serving
-from small_survey import STUDY, small_kit
+
+from tests.helpers.participant import Participant
+from tests.helpers.served import serving
+from tests.helpers.small_survey import STUDY, small_kit
 
 NAMES = """\
   - {name: action, question: "Do you like action films?", choices: ["yes", "no"], required: false}

@@ -5,11 +5,11 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
-from participant import Participant
-from served import Server, serving
-from small_survey import LABELS, STUDY, small_kit
 
 from emovid.cli.main import main
+from tests.helpers.participant import Participant
+from tests.helpers.served import Server, serving
+from tests.helpers.small_survey import LABELS, STUDY, small_kit
 
 PEOPLE = 12
 

@@ -4,14 +4,14 @@ import re
 import sys
 
 import pytest
-from small_survey import STUDY
-from visitor import Visitor
 
 from emovid.kit.read import open_public
 from emovid.survey import codes
 from emovid.survey.app import MOST_BYTES, create_app
 from emovid.survey.export import responses_csv
 from emovid.survey.open import open_survey
+from tests.helpers.small_survey import STUDY
+from tests.helpers.visitor import Visitor
 
 POSTS = ("/consent", "/about", "/instructions", "/video/1", "/video/1/play", "/video/1/watched", "/submit", "/resume",
          "/withdraw", "/new")  # fmt: skip

@@ -9,15 +9,15 @@ import urllib.request
 from pathlib import Path
 
 import pytest
-from small_survey import LABELS
-from visitor import Clock, Visitor
 
 from emovid.cli.main import main
 from emovid.kit.read import open_kit
-from emovid.study.read import read_responses
+from emovid.responses.read import read_responses
 from emovid.survey.app import create_app
 from emovid.survey.codes import digest, readable
 from emovid.survey.open import database_of, open_survey
+from tests.helpers.small_survey import LABELS
+from tests.helpers.visitor import Clock, Visitor
 
 
 @pytest.fixture(autouse=True)

@@ -1,8 +1,8 @@
 """The server is killed while people answer. The long form is `make bench-survey`."""
 
-from crowd import Crowd
-from killing import kill_under_load
-from served import serving
+from tests.helpers.crowd import Crowd
+from tests.helpers.killing import kill_under_load
+from tests.helpers.served import serving
 
 
 def test_no_acknowledged_answer_is_lost_and_none_is_there_twice(kit) -> None:

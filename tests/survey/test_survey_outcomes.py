@@ -4,13 +4,13 @@ import csv
 import re
 
 import pytest
-from small_survey import LABELS
-from visitor import Visitor
 
 from emovid.survey.app import create_app
 from emovid.survey.codes import digest, readable
 from emovid.survey.export import responses_csv
 from emovid.survey.store import Store
+from tests.helpers.small_survey import LABELS
+from tests.helpers.visitor import Visitor
 
 SIX = ["fear", "anger", "fear", "sadness", "disgust", "happiness"]
 

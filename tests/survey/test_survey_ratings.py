@@ -3,15 +3,15 @@
 import csv
 
 import pytest
-from participant import Participant
-from served import serving
-from small_survey import STUDY, small_kit
-from visitor import Clock, Visitor
 
 from emovid.kit.read import open_public
 from emovid.survey.app import create_app
 from emovid.survey.export import responses_csv
 from emovid.survey.store import Store
+from tests.helpers.participant import Participant
+from tests.helpers.served import serving
+from tests.helpers.small_survey import STUDY, small_kit
+from tests.helpers.visitor import Clock, Visitor
 
 RATINGS = """\
 ratings:

@@ -9,8 +9,8 @@ from emovid.kit.orders import balance_of, largest_spread, presentation_orders
 from emovid.survey import codes
 from emovid.survey.enrolment import next_row
 from emovid.survey.flow import Page, Progress, Step, after_video, before, current, is_open
-from emovid.survey.gate import Play, credited, wait
-from emovid.survey.gate import is_open as gate_is_open
+from emovid.survey.watch_rules import Play, credited, wait
+from emovid.survey.watch_rules import is_open as gate_is_open
 
 DONE = st.builds(
     lambda asked, told, instructed, videos, answered, submitted: Progress(

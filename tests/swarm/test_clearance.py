@@ -3,12 +3,12 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
-from stages import HEXAGON, convex_corners, polygon
 
 from emovid.scene.stage import Polygon, Rectangle
 from emovid.swarm import clearance
 from emovid.swarm.clearance import farthest_advance, room_on_stage, share_apart, share_on_stage
 from emovid.swarm.unicycle import move
+from tests.helpers.stages import HEXAGON, convex_corners, polygon
 
 STAGE = Rectangle(width=1.2, height=0.8)
 RADIUS = 0.02

@@ -1,8 +1,6 @@
 import numpy as np
 import pytest
-from polygons import centroid_by_dblquad, shoelace
 from scipy.special import erf
-from stages import HEXAGON, polygon
 
 from emovid.scene.behaviour import Boundary, Coverage, Gaussian, Uniform
 from emovid.scene.load import load_scene
@@ -10,6 +8,8 @@ from emovid.scene.stage import Rectangle
 from emovid.swarm.coverage import corners_of, coverage_velocity, mass_and_centroid
 from emovid.swarm.densities import density_of
 from emovid.swarm.voronoi import voronoi_cells
+from tests.helpers.polygons import centroid_by_dblquad, shoelace
+from tests.helpers.stages import HEXAGON, polygon
 
 STAGE = Rectangle(width=1.2, height=0.8)
 TOLERANCE = 1e-6 * np.hypot(1.2, 0.8)

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.special import roots_jacobi
-from stages import HEXAGON, TRIANGLE, polygon
 
 from emovid.scene.behaviour import Boundary, Gaussian, Uniform
 from emovid.scene.stage import Rectangle
 from emovid.swarm import quadrature
 from emovid.swarm.coverage import corners_of, locational_cost, mass_and_centroid
 from emovid.swarm.densities import Density, density_of
+from tests.helpers.stages import HEXAGON, TRIANGLE, polygon
 
 STAGE = Rectangle(width=1.2, height=0.8)
 CORNERS = corners_of(STAGE)

@@ -6,7 +6,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
-from stages import HEXAGON, THIN, TRIANGLE, convex_corners, keys_of
 
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import load_scene
@@ -16,6 +15,7 @@ from emovid.swarm.simulate import sample_times, simulate
 from emovid.swarm.summary import summarise
 from emovid.swarm.trajectory import Trajectory
 from emovid.swarm.unicycle import look_ahead, move
+from tests.helpers.stages import HEXAGON, THIN, TRIANGLE, convex_corners, keys_of
 
 
 @pytest.fixture(scope="module")

@@ -5,15 +5,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.distance import pdist
-from stages import HEXAGON, THIN, TRIANGLE, keys_of
 
-from emovid.errors import SceneError
+from emovid.errors import SourceError
 from emovid.scene.model import Scene
 from emovid.swarm import start
 from emovid.swarm.clearance import room_on_stage
 from emovid.swarm.contours import followed_points, start_angles
 from emovid.swarm.start import _most, start_poses
 from emovid.swarm.unicycle import look_ahead
+from tests.helpers.stages import HEXAGON, THIN, TRIANGLE, keys_of
 
 
 def rng(seed: int = 0) -> np.random.Generator:
@@ -68,7 +68,7 @@ def test_listed_poses_are_taken_as_they_are(make_scene) -> None:
 def test_listed_bodies_may_not_overlap(make_scene) -> None:
     poses = [{"x": 0.0, "y": 0.0}, {"x": 0.03, "y": 0.0}]
     scene = make_scene("fear", {"robots": 2, "start": {"place": "poses", "poses": poses}})
-    with pytest.raises(SceneError, match=r"robots 1 and 2 would start 30 mm apart, and need 43.3 mm"):
+    with pytest.raises(SourceError, match=r"robots 1 and 2 would start 30 mm apart, and need 43.3 mm"):
         start_poses(scene, rng())
 
 
@@ -77,7 +77,7 @@ def test_what_is_too_near_is_said_in_digits_that_show_it(make_scene) -> None:
     scene = make_scene("sadness", keys)
     behind = keys["robot.l"] - scene.robot.body.disc[0]
     apart = 2 * np.hypot(keys["behaviour.R"], behind) * np.sin(np.pi / 14)  # a chord of the circle of middles
-    with pytest.raises(SceneError) as caught:
+    with pytest.raises(SourceError) as caught:
         start_poses(scene, rng())
     found, needed = map(float, re.search(r"start (\S+) mm apart, and need (\S+) mm$", str(caught.value)).groups())
     assert found < needed
@@ -87,7 +87,7 @@ def test_what_is_too_near_is_said_in_digits_that_show_it(make_scene) -> None:
 def test_a_look_ahead_that_brings_robots_on_a_ripple_together_is_named(make_scene) -> None:
     keys = {"robots": 18, "behaviour.R": 0.12, "behaviour.A": 0.06}
     message = r"robots 2 and 3 would start 37\.2 mm apart, and need 39\.3 mm; all would fit with a robot\.l near 0$"
-    with pytest.raises(SceneError, match=message):
+    with pytest.raises(SourceError, match=message):
         start_poses(make_scene("happiness", keys | {"robot.l": 0.02}), rng())
     start_poses(make_scene("happiness", keys | {"robot.l": 0.0001}), rng())
 
@@ -96,7 +96,7 @@ def test_darts_are_not_thrown_for_ever(make_scene, monkeypatch) -> None:
     scene = make_scene("anger", {"robots": 60})
     assert len(start_poses(scene, rng())) == 60
     monkeypatch.setattr(start, "_THROWS", 1)
-    with pytest.raises(SceneError, match=r"60 robots do not fit into .* at random .*: room was found for [2-5][0-9]$"):
+    with pytest.raises(SourceError, match=r"60 robots do not fit into .* at random .*: room was found for [2-5][0-9]$"):
         start_poses(scene, rng())
 
 

@@ -2,16 +2,16 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from polygons import area, mirrored_voronoi, shoelace
-from stages import HEXAGON, THIN, TRIANGLE, convex_corners
 
 from emovid.scene.behaviour import Uniform
 from emovid.scene.stage import Rectangle
 from emovid.swarm import voronoi
+from emovid.swarm.cell_clipping import cut_cells
 from emovid.swarm.coverage import corners_of, mass_and_centroid
-from emovid.swarm.cutting import cut_cells
 from emovid.swarm.densities import density_of
 from emovid.swarm.voronoi import voronoi_cells
+from tests.helpers.polygons import area, mirrored_voronoi, shoelace
+from tests.helpers.stages import HEXAGON, THIN, TRIANGLE, convex_corners
 
 STAGE = Rectangle(width=1.2, height=0.8)
 CORNERS = corners_of(STAGE)

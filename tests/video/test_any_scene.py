@@ -3,10 +3,8 @@
 import numpy as np
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from reference import whole_frame
-from stages import HEXAGON, THIN, TRIANGLE, keys_of
 
-from emovid.errors import SceneError
+from emovid.errors import SourceError
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, load_scene
 from emovid.swarm.clearance import room_on_stage
@@ -14,6 +12,8 @@ from emovid.swarm.simulate import simulate
 from emovid.swarm.summary import summarise
 from emovid.video.draw import Painter
 from emovid.video.yuv import Yuv420
+from tests.helpers.reference import whole_frame
+from tests.helpers.stages import HEXAGON, THIN, TRIANGLE, keys_of
 
 MAGNITUDES = st.sampled_from([1e-300, 1e-6, 1e-3, 0.01, 0.05, 0.1, 0.3, 0.5, 1.0, 2.0, 10.0, 100.0, 1000.0])
 COUNTS = st.sampled_from([0, 1, 2, 3, 7, 40])
@@ -53,7 +53,7 @@ def test_any_scene_is_drawn_or_refused_in_one_line(emotion, pairs, view) -> None
         if scene.robots * scene.duration / scene.control_period > 20_000:
             return  # meant, but not here
         run = simulate(scene)
-    except SceneError as error:
+    except SourceError as error:
         refused = error
     if refused:
         assert refused.where

@@ -3,12 +3,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.path import Path
-from reference import inside
 
 from emovid.scene.emotions import EMOTIONS
 from emovid.swarm.simulate import simulate
 from emovid.video.canvas import Canvas, Layer, rgba
 from emovid.video.draw import Painter
+from tests.helpers.reference import inside
 
 WIDTH, HEIGHT = 120, 80
 PLACE = st.tuples(st.floats(-30, WIDTH + 30), st.floats(-30, HEIGHT + 30))

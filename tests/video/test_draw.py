@@ -3,9 +3,7 @@ import signal
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
-from stages import HEXAGON, THIN, TRIANGLE, keys_of
 
-from emovid.looks import robot_parts, robot_rim, trailed_robots
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import load_scene
 from emovid.scene.robot_files import load_robot, shipped_robots
@@ -15,6 +13,8 @@ from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
 from emovid.video.draw import Painter
 from emovid.video.overlays import targets_of
+from emovid.video.robot_outlines import robot_parts, robot_rim, trailed_robots
+from tests.helpers.stages import HEXAGON, THIN, TRIANGLE, keys_of
 
 BACK = np.array([0xFA, 0xFA, 0xF7])
 

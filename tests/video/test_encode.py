@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mp4 import decode
 from PIL import Image
 
 from emovid.errors import EmovidError, InputError, RenderError
@@ -16,6 +15,7 @@ from emovid.video import encode
 from emovid.video.encode import count_frames, ffmpeg, write_pictures, write_video
 from emovid.video.formats import encoder_arguments
 from emovid.video.yuv import Yuv420
+from tests.helpers.mp4 import decode
 
 SIZE = (96, 64)
 
@@ -146,13 +146,13 @@ def test_a_full_disk_is_reported(tmp_path) -> None:
     # A limit on file sizes ends ffmpeg like a full disk does, and needs no root.
     code = (
         "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000));"
-        "sys.path.insert(0, sys.argv[1]); import test_encode, pathlib, emovid.errors\n"
+        "sys.path.insert(0, sys.argv[1]); from tests.video import test_encode; import pathlib, emovid.errors\n"
         "try: test_encode.write(pathlib.Path(sys.argv[2]), 200)\n"
         "except emovid.errors.RenderError as error: print(error); sys.exit(7)"
     )
     target = tmp_path / "x.mp4"
     done = subprocess.run(
-        [sys.executable, "-c", code, str(Path(__file__).parent), str(target)],
+        [sys.executable, "-c", code, str(Path(__file__).parents[2]), str(target)],
         capture_output=True,
         text=True,
         check=False,
@@ -178,11 +178,11 @@ def test_a_folder_that_vanishes_is_reported(tmp_path) -> None:
 
 def test_what_a_killed_process_left_is_cleared(tmp_path) -> None:
     code = (
-        "import os, signal, sys; sys.path.insert(0, sys.argv[1]); import test_encode, pathlib\n"
+        "import os, signal, sys; sys.path.insert(0, sys.argv[1]); from tests.video import test_encode; import pathlib\n"
         "test_encode.write(pathlib.Path(sys.argv[2]), on_frame=lambda k: os.kill(os.getpid(), signal.SIGKILL))"
     )
     target = tmp_path / "x.mp4"
-    done = subprocess.run([sys.executable, "-c", code, str(Path(__file__).parent), str(target)], check=False)
+    done = subprocess.run([sys.executable, "-c", code, str(Path(__file__).parents[2]), str(target)], check=False)
     assert done.returncode == -signal.SIGKILL
     deadline = time.monotonic() + 20
     while not (stale := left(tmp_path)) and time.monotonic() < deadline:

@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-from reference import hits_of_rays, inside, whole_frame
-from stages import HEXAGON, keys_of
 
 from emovid.kit.symmetry import mirrored
 from emovid.scene.emotions import EMOTIONS
@@ -13,6 +11,8 @@ from emovid.swarm.trajectory import Trajectory
 from emovid.video.draw import Painter
 from emovid.video.render import frames_checksum
 from emovid.video.yuv import Yuv420
+from tests.helpers.reference import hits_of_rays, inside, whole_frame
+from tests.helpers.stages import HEXAGON, keys_of
 
 SIDE = {"video.view": "perspective"}
 LOOKS = {

@@ -2,10 +2,10 @@ import base64
 import re
 
 import pytest
-from mp4 import decode
 
 from emovid import show, simulate
 from emovid.video.preview import reduced
+from tests.helpers.mp4 import decode
 
 SHORT = {"duration": 1.0, "video.fps": 30}
 

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mp4 import boxes, decoded, only, stream_line, table
 
 from emovid.cli.main import main
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import load_scene
 from emovid.swarm.simulate import simulate
 from emovid.video.draw import Painter
+from tests.helpers.mp4 import boxes, decoded, only, stream_line, table
 
 FRAMES, FPS, WIDTH, HEIGHT = 450, 30, 1280, 720
 

@@ -5,12 +5,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
-from reference import exact_planes, whole_frame
 
 from emovid.swarm.simulate import simulate
 from emovid.video.draw import Painter
 from emovid.video.encode import ffmpeg
 from emovid.video.yuv import Yuv420
+from tests.helpers.reference import exact_planes, whole_frame
 
 SIZES = st.tuples(st.integers(1, 9), st.integers(1, 9)).map(lambda half: (2 * half[0], 2 * half[1]))
 PICTURES = SIZES.flatmap(lambda size: arrays.arrays(np.uint8, (*size, 4)))

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from emovid.kit.checks.finding import Finding
 from emovid.kit.checks.hints import Hints
 from emovid.kit.read import Kit
-from emovid.kit.secret import is_code
+from emovid.kit.seeded_random import is_code
 
 _OTHER_TIME = "has another time than the other files; copy a kit with cp -a, or build it again with its seed"
 

@@ -4,8 +4,8 @@ import re
 from collections.abc import Iterable
 
 from emovid.kit.read import Kit
+from emovid.responses.labels import NONE, Labels, plain
 from emovid.scene.emotions import EMOTIONS
-from emovid.study.labels import NONE, Labels, plain
 
 _WHOLE_WORDS = 4  # letters below which a hint counts as a word of its own alone: "sad" is in "crusade"
 

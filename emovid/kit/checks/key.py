@@ -5,7 +5,7 @@ from pathlib import Path
 
 from emovid.kit.checks.finding import Finding
 from emovid.kit.read import Kit
-from emovid.kit.secret import commitment
+from emovid.kit.seeded_random import commitment
 
 
 def check_key(kit: Kit, key: Path | None) -> Iterator[Finding]:

@@ -7,7 +7,7 @@ from typing import Any
 from emovid.kit.checks.finding import Finding
 from emovid.kit.orders import Order, balance_of, largest_spread
 from emovid.kit.read import Kit
-from emovid.study.responses import Responses
+from emovid.responses.responses import Responses
 
 _FILE = "orders.csv"
 

@@ -6,13 +6,13 @@ import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
+from emovid.atomic_io import file_digest
 from emovid.kit.checks.finding import Finding
 from emovid.kit.checks.hints import Hints
 from emovid.kit.manifest import Video
 from emovid.kit.mp4 import Box, boxes
 from emovid.kit.read import Kit
 from emovid.video.encode import address, ffmpeg
-from emovid.whole_files import file_digest
 
 # Boxes of a file with one H.264 track and nothing else, and the kinds of units in its stream: slices, and what a
 # decoder needs to read them.

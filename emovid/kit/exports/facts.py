@@ -6,7 +6,7 @@ from emovid.errors import InputError
 from emovid.kit.model import Study
 from emovid.kit.orders import square_size
 from emovid.kit.read import Kit
-from emovid.study.power import plan
+from emovid.statistics.power import plan
 
 OPEN = "**TO DO**"
 

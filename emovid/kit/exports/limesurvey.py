@@ -6,7 +6,7 @@ import io
 from emovid.kit.exports.export import Files, paragraphs, thanks, video_tag
 from emovid.kit.pages import Item
 from emovid.kit.read import Kit
-from emovid.study.labels import NONE
+from emovid.responses.labels import NONE
 
 # Of the structure file: https://www.limesurvey.org/manual/Tab_Separated_Value_survey_structure
 _COLUMNS = (

@@ -2,10 +2,10 @@
 
 from importlib.metadata import version
 
+from emovid.atomic_io import file_digest
 from emovid.kit.exports.export import Files
 from emovid.kit.exports.facts import OPEN, facts_of
 from emovid.kit.read import Kit
-from emovid.whole_files import file_digest
 
 _TEXT = """# Preregistration: {title}
 

@@ -3,10 +3,10 @@
 import json
 import re
 
+from emovid.csv_writer import csv_text
 from emovid.kit.exports.export import Files
 from emovid.kit.read import Kit
-from emovid.study.cells import csv_text
-from emovid.study.responses import Responses
+from emovid.responses.responses import Responses
 
 _KNOWN = {
     "participant_id": "the participant, as the survey names them",

@@ -1,0 +1,83 @@
+"""Finished videos as stimuli: checked, decoded, and encoded again like all others."""
+
+import re
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from emovid.errors import RenderError, SourceError
+from emovid.kit.model import Look
+from emovid.kit.seeded_random import draw
+from emovid.scene.video import Video
+from emovid.video.canvas import Pixels
+from emovid.video.encode import address, count_frames, ffmpeg, write_video
+from emovid.video.render import video_arguments
+
+# Of the first frame as it is shown, turned as the file says: width and height of a pixel, and of the picture.
+_SHOWN = re.compile(r"showinfo.* sar:(\d+)/(\d+) s:(\d+x\d+) ")
+_RATE = re.compile(r"Stream #.*Video:.*?([\d.]+) fps")
+_BLOCK = 16  # side [pixels] of the squares whose luma is one level off: one macroblock of H.264
+
+
+def check_video(video: Path, look: Look) -> None:
+    """Check that a finished video is like all others.
+
+    Raises:
+        SourceError: if it is none, or has another size, frame rate or number of frames, or pixels that are not square.
+    """
+    if not video.is_file():
+        raise SourceError(str(video), "no such file")
+    found = count_frames(video)
+    command = [ffmpeg(), "-hide_banner", "-nostdin", "-i", address(video), "-map", "0:v:0", "-frames:v", "1"]
+    command += ["-vf", "showinfo", "-f", "null", "-"]
+    said = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False).stderr
+    shown, rate = _SHOWN.search(said), _RATE.search(said)
+    if not (found and shown and rate):
+        raise SourceError(str(video), "cannot be decoded as a video")
+    across, down, size = shown.groups()
+    if across not in ("0", down):  # 0: the file does not say, and players take them for square
+        raise SourceError(str(video), f"has pixels of {across}:{down}; expected square ones")
+    given = f"{size}, {float(rate[1]):g} fps, {found} frames"
+    wanted = f"{look.size}, {look.fps} fps, {look.frames} frames"
+    if given != wanted:
+        raise SourceError(str(video), f"has {given}; expected {wanted}, as all videos of the study")
+
+
+def reencode(video: Path, target: Path, look: Look, seed: int) -> None:
+    """Encode a finished video again, by our arguments, without its sound and metadata.
+
+    Squares of the picture have their luma's lowest bit changed or not, by the private seed: nobody sees it, and no hash
+    of what can be made from the public file is that of the result.
+
+    Raises:
+        RenderError: if it cannot be decoded or encoded.
+    """
+    width, height = map(int, look.size.split("x"))
+    planes = _planes(video, width, height, grain(width, height, seed))
+    write_video(planes, look.frames, video_arguments(Video(size=look.size, fps=look.fps)), target)
+
+
+def grain(width: int, height: int, seed: int) -> Pixels:
+    """Return which pixels' luma (height, width) has its lowest bit changed, 0 or 1: equal within squares."""
+    rows, columns = -(-height // _BLOCK), -(-width // _BLOCK)
+    numbers = [draw(seed, "grain", i) for i in range(-(-rows * columns // 256))]
+    bits = np.unpackbits(np.frombuffer(b"".join(n.to_bytes(32) for n in numbers), np.uint8))[: rows * columns]
+    return bits.reshape(rows, columns).repeat(_BLOCK, axis=0).repeat(_BLOCK, axis=1)[:height, :width]
+
+
+def _planes(video: Path, width: int, height: int, changed: Pixels) -> Iterator[Pixels]:
+    """Yield the frames as yuv420p, each overwritten by the next."""
+    conversion = "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+bitexact,format=yuv420p"
+    command = [ffmpeg(), "-v", "error", "-nostdin", "-i", address(video), "-map", "0:v:0", "-vf", conversion]
+    size = width * height * 3 // 2
+    with subprocess.Popen([*command, "-f", "rawvideo", "-"], stdout=subprocess.PIPE) as process:
+        assert process.stdout
+        planes = np.empty(size, np.uint8)
+        while raw := process.stdout.read(size):
+            if len(raw) < size:
+                raise RenderError(f"{video}: cannot be decoded to its end")
+            planes[:] = np.frombuffer(raw, np.uint8)
+            planes[: width * height] ^= changed.ravel()
+            yield planes

@@ -1,0 +1,32 @@
+"""The files that ship: where they are; and how files are read, shipped or not."""
+
+from pathlib import Path
+
+from emovid.atomic_io import reason
+from emovid.errors import SourceError
+
+MAX_BYTES = 32_000_000  # a scene that lists the poses of 100 000 robots has 5 MB
+
+_PACKAGE = Path(__file__).parent.parent
+_ABOVE = _PACKAGE if (_PACKAGE / "configs").is_dir() else _PACKAGE.parent  # a checkout keeps them on top
+CONFIGS = _ABOVE / "configs"
+STUDIES = _ABOVE / "studies"
+
+
+def read_text(path: Path, what: str = "scene") -> str:
+    """Return the text of a file; `what` it should hold is for messages.
+
+    Raises:
+        SourceError: if it cannot be read, is too large or no UTF-8.
+    """
+    try:
+        with path.open("rb") as file:
+            data = file.read(MAX_BYTES + 1)
+        if len(data) > MAX_BYTES:
+            raise SourceError(str(path), f"too large for a {what}: more than {MAX_BYTES // 1_000_000} MB")
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise SourceError(f"{path}:{line}", "not UTF-8 text") from None
+    except OSError as error:
+        raise SourceError(str(path), f"cannot be read: {reason(error)}") from None

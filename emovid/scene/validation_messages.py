@@ -1,0 +1,179 @@
+"""What pydantic found wrong with a scene, in one line that a scene's author understands."""
+
+from collections.abc import Mapping
+from types import NoneType
+from typing import Any, Literal, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+
+from emovid.errors import SourceError, nearest
+from emovid.scene.model import Scene
+from emovid.yaml_source import KeyPath, Places, key_path, place_of
+
+_BOUNDS = {
+    "greater_than": ("gt", "more than"),
+    "greater_than_equal": ("ge", "at least"),
+    "less_than": ("lt", "less than"),
+    "less_than_equal": ("le", "at most"),
+}
+_WORDS: Mapping[KeyPath, str] = {
+    ("video", "size"): "width x height in pixels, as in 1280x720",
+    ("robot", "model"): "a robot's name, a file that ends in .yaml, or a group of keys",
+    ("robot", "limits"): "a group of keys, model or null",
+}
+_KINDS = {
+    "float_type": "a number",
+    "finite_number": "a finite number",
+    "int_type": "a whole number",
+    "string_type": "text",
+    "string_unicode": "text of Unicode characters",
+    "list_type": "a list",
+    "tuple_type": "a list",
+    "model_type": "a group of keys",
+    "model_attributes_type": "a group of keys",
+}
+
+
+def complaint(error: ValidationError, places: Places, root: type[BaseModel] = Scene) -> SourceError:
+    """Return the first problem, by the line it stands on, as a `SourceError`.
+
+    Args:
+        error: from validating a `root`.
+        places: of the keys.
+        root: the whole that was validated.
+    """
+    items = error.errors(include_url=False)
+    # A list with a broken item counts as shorter than it is: the item says what is wrong.
+    broken = {item["loc"][:n] for item in items for n in range(len(item["loc"]))}
+    told = [item for item in items if item["type"] != "too_short" or item["loc"] not in broken]
+    found = [(item["type"] == "missing", *_problem(item, root)) for item in told]
+    placed = [(missing, place_of(path, places), path, message) for missing, path, message in found]
+    # A misspelt key is a missing one too, on the line of its group: the misspelling says more.
+    _, where, path, message = min(placed, key=lambda problem: (problem[0], _line(problem[1])))
+    return SourceError(where, message, key=".".join(map(str, path)))
+
+
+def _line(where: str) -> int:
+    number = where.rsplit(":", 1)[-1]
+    return int(number) if number.isdigit() else 0
+
+
+def _problem(item: Mapping[str, Any], root: type[BaseModel]) -> tuple[KeyPath, str]:
+    """Return the path in the scene and the message of one pydantic error."""
+    kind, given, context = item["type"], item["input"], item.get("ctx", {})
+    path = _walk(item["loc"], root)[0]
+    if kind == "inconsistent":
+        return (*path, *key_path(context["key"])), context["message"]
+    if kind == "extra_forbidden":
+        return path, f"unknown key{_known_key(item['loc'], path, root)}"
+    if kind == "missing":
+        return path, f"missing ({_description(item['loc'], root)})"
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        key = context["discriminator"].strip("'")
+        expected = _tags(item["loc"], key, root)
+        if kind == "union_tag_not_found":
+            return (*path, key), f"missing; expected {_one_of(expected)}"
+        return (*path, key), _wrong_word(given[key], expected)
+    if kind == "literal_error":
+        words = context["expected"].replace("' or '", "', '").strip("'").split("', '")
+        return path, _wrong_word(given, [*words, *_null(item["loc"], root)])
+    if kind in _BOUNDS:
+        bound, words = _BOUNDS[kind]
+        return path, f"{_shown(given)}: expected {words} {context[bound]:g}"
+    return path, f"{_shown(given)}: expected {_expected(kind, path, context, item['msg'])}"
+
+
+def _expected(kind: str, path: KeyPath, context: Mapping[str, Any], message: str) -> str:
+    if "colours" in path and kind in ("string_type", "string_pattern_mismatch"):
+        return 'a colour in quotes, as in "#0072b2"'
+    if path in _WORDS:
+        return _WORDS[path]
+    if kind == "too_short":
+        return f"at least {context['min_length']}"
+    if kind == "too_long":
+        return f"at most {context['max_length']}"
+    return _KINDS.get(kind, message)
+
+
+def _shown(value: Any) -> str:
+    if value is None:
+        return "empty"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, dict):
+        return "a group of keys"
+    if isinstance(value, list) and any(isinstance(item, dict) for item in value):
+        return f"a list of {len(value)}"
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _one_of(words: list[str]) -> str:
+    return words[0] if len(words) == 1 else "one of " + ", ".join(words)
+
+
+def _wrong_word(given: Any, expected: list[str]) -> str:
+    hint = nearest(given, expected) if isinstance(given, str) else ""
+    return f"{_shown(given)}: expected {_one_of(expected)}{hint}"
+
+
+def _known_key(loc: KeyPath, path: KeyPath, root: type[BaseModel]) -> str:
+    known = [name for model in _models_at(loc[:-1], root) for name in model.model_fields]
+    parents = "".join(f"{part}." for part in path[:-1])
+    hint = nearest(str(path[-1]), known)
+    return hint.replace("mean ", f"mean {parents}") if hint else f"; expected {_one_of(known)}"
+
+
+def _description(loc: KeyPath, root: type[BaseModel]) -> str:
+    return next((str(field.description) for field in _fields_at(loc, root)), "a value")
+
+
+def _null(loc: KeyPath, root: type[BaseModel]) -> list[str]:
+    """Return null, if a key may be."""
+    return ["null"] if any(NoneType in get_args(field.annotation) for field in _fields_at(loc, root)) else []
+
+
+def _fields_at(loc: KeyPath, root: type[BaseModel]) -> list[FieldInfo]:
+    """Return what the last key of a pydantic location may be, in the models that may be there."""
+    models, name = _models_at(loc[:-1], root), str(loc[-1])
+    return [model.model_fields[name] for model in models if name in model.model_fields]
+
+
+def _tags(loc: KeyPath, discriminator: str, root: type[BaseModel]) -> list[str]:
+    models = _models_at(loc, root)
+    return list(dict.fromkeys(_literal(model, discriminator) for model in models))
+
+
+def _literal(model: type[BaseModel], field: str) -> str:
+    return str(get_args(model.model_fields[field].annotation)[0])
+
+
+def _models_at(loc: KeyPath, root: type[BaseModel]) -> list[type[BaseModel]]:
+    """Return the models that a pydantic location may stand for: several at a union, one behind its tags."""
+    return _walk(loc, root)[1]
+
+
+def _walk(loc: KeyPath, root: type[BaseModel]) -> tuple[KeyPath, list[type[BaseModel]]]:
+    """Follow a pydantic location from `root`: its path without the tags of unions, and the models it leads to."""
+    models: list[type[BaseModel]] = [root]
+    path: list[str | int] = []
+    for part in loc:
+        if len(models) > 1:  # at a union, pydantic names the tag that it chose
+            models = [model for model in models if part in (model.__name__, *_literals_of(model))]
+            continue
+        path.append(part)
+        if isinstance(part, str) and models and part in models[0].model_fields:
+            models = _models_in(models[0].model_fields[part].annotation)
+    return tuple(path), models
+
+
+def _literals_of(model: type[BaseModel]) -> set[str]:
+    fields = model.model_fields.values()
+    return {get_args(field.annotation)[0] for field in fields if get_origin(field.annotation) is Literal}
+
+
+def _models_in(annotation: Any) -> list[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for argument in get_args(annotation) for model in _models_in(argument)]

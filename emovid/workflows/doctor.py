@@ -1,0 +1,169 @@
+"""What `emovid doctor` looks at: each check does the thing itself, and knows what helps where it fails."""
+
+import re
+import shlex
+import shutil
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from functools import partial
+from importlib.metadata import PackageNotFoundError, requires, version
+from pathlib import Path
+from typing import NamedTuple
+
+from emovid.atomic_io import reason
+from emovid.errors import EmovidError
+
+_ROOM = 500_000_000  # bytes: the six videos take 13 MB, a sweep of hundreds as much for every six
+_SMALL = {"video.size": "96x64", "video.fps": 5, "duration": 1.0}
+_OF_DEVELOPERS = ("dev", "docs")  # extras
+_REINSTALL = "pip install --force-reinstall"
+
+
+class Check(NamedTuple):
+    """What came of one check.
+
+    Attributes:
+        name: what was looked at.
+        passed: whether it works.
+        needed: whether something fails without it.
+        found: what there is, or what is wrong.
+        remedy: what helps; empty if it works.
+    """
+
+    name: str
+    passed: bool
+    needed: bool
+    found: str
+    remedy: str = ""
+
+
+def checks(folder: Path) -> Iterator[Check]:
+    """Yield what comes of each check, of this installation and of a folder to write to."""
+    yield _versions()
+    yield _packages("packages", _needs()[""], needed=True)
+    yield _scenes()
+    yield from _videos()
+    yield _fonts()
+    yield _writing(folder)
+    yield _temporary()
+    yield _browser()
+    for extra, needs in _needs().items():
+        if extra not in ("", *_OF_DEVELOPERS):
+            yield _packages(f"extra {extra}", needs, needed=False)
+    yield _packages("results as Parquet", ["pyarrow"], needed=False)
+
+
+def _versions() -> Check:
+    numbers = ".".join(map(str, sys.version_info[:3]))
+    return Check("emovid", True, True, f"{version('emovid')} with Python {numbers} on {sys.platform}")
+
+
+def _needs() -> dict[str, list[str]]:
+    """Return the packages that each extra needs, as in ``numpy>=2.1``; those we cannot do without, under no name."""
+    needs: dict[str, list[str]] = {"": []}
+    for need in requires("emovid") or ():
+        package, _, condition = need.partition(";")
+        extra = re.search(r"""extra == ['"](.+)['"]""", condition)
+        needs.setdefault(extra[1] if extra else "", []).append(package.strip())
+    return needs
+
+
+def _packages(name: str, needs: list[str], *, needed: bool) -> Check:
+    """Return whether all packages are there, and new enough."""
+    faults = {need: fault for need in needs if (fault := _fault(need))}
+    found = "; ".join(faults.values()) or f"{len(needs)} installed"
+    return Check(name, not faults, needed, found, f"pip install {shlex.join(faults)}" if faults else "")
+
+
+def _fault(need: str) -> str:
+    """Return what is wrong with a required package, given as ``name`` or ``name>=1.2``; nothing if it is there."""
+    name, _, least = need.partition(">=")
+    try:
+        there = version(name)
+    except PackageNotFoundError:
+        return f"{name} is missing"
+    return f"{name} {there} is older than {least}" if _numbers(there) < _numbers(least) else ""
+
+
+def _numbers(text: str) -> tuple[int, ...]:
+    return tuple(map(int, re.findall(r"\d+", text)[:3]))
+
+
+def _scenes() -> Check:
+    def load() -> str:
+        from emovid.scene.emotions import EMOTIONS
+        from emovid.scene.load import load_scene
+
+        return f"{len([load_scene(emotion) for emotion in EMOTIONS])} load"
+
+    return _tried("scenes", True, load, "install emovid again: its files are not whole")
+
+
+def _videos() -> Iterator[Check]:
+    """Yield a check for each format: a second of a scene is simulated, drawn and encoded."""
+    remedy = f"{_REINSTALL} imageio-ffmpeg, and unset IMAGEIO_FFMPEG_EXE if it is set"
+    for format in ("mp4", "webm", "gif"):
+        yield _tried(format, format == "mp4", partial(_render, format), remedy)
+
+
+def _render(format: str) -> str:
+    from emovid.scene.load import load_scene
+    from emovid.swarm.simulate import simulate
+    from emovid.video.encode import ffmpeg_version
+    from emovid.video.render import render_video
+
+    run = simulate(load_scene("sadness", _SMALL | {"video.format": format}))
+    with tempfile.TemporaryDirectory() as folder:
+        render_video(run, Path(folder) / f"run.{format}")
+    return f"encoded by ffmpeg {ffmpeg_version()}"
+
+
+def _fonts() -> Check:
+    """Return whether there is the font of all figures, which comes with matplotlib."""
+
+    def find() -> str:
+        from matplotlib.font_manager import findfont
+
+        return Path(findfont("DejaVu Sans", fallback_to_default=False)).name
+
+    return _tried("font", True, find, f"{_REINSTALL} matplotlib")
+
+
+def _writing(folder: Path) -> Check:
+    """Return whether a folder can be written to, and has room."""
+    name = f"folder {folder}"
+    try:
+        with tempfile.TemporaryFile(dir=folder) as file:
+            file.write(b"emovid")
+        free = shutil.disk_usage(folder).free
+    except OSError as error:
+        return Check(name, False, True, reason(error), "work in a folder that is yours")
+    found = f"writable, {free / 1e9:.1f} GB free"
+    return Check(name, free >= _ROOM, True, found, "" if free >= _ROOM else "make room, or give -o on another disk")
+
+
+def _temporary() -> Check:
+    """Return whether there is a folder for temporary files, as `_writing`."""
+    try:
+        return _writing(Path(tempfile.gettempdir()))
+    except OSError as error:  # none of those that Python tries can be written to
+        return Check("folder for temporary files", False, True, reason(error), "make room, or set TMPDIR")
+
+
+def _browser() -> Check:
+    """Return whether there is a browser to look at reports and rehearse surveys with."""
+    import webbrowser
+
+    try:
+        return Check("browser", True, False, getattr(webbrowser.get(), "name", "there"))
+    except webbrowser.Error:
+        return Check("browser", False, False, "none found", "copy report.html or kit/ to a machine with one")
+
+
+def _tried(name: str, needed: bool, act: Callable[[], str], remedy: str) -> Check:
+    """Return what comes of an act that returns what it found."""
+    try:
+        return Check(name, True, needed, act())
+    except (EmovidError, ImportError, OSError, ValueError) as error:
+        return Check(name, False, needed, " ".join(str(error).split()), remedy)

@@ -1,0 +1,81 @@
+"""What the gallery shows: every figure, and each shipped scene as a small video with its YAML."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from io import BytesIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from emovid.figures.catalogue import Entry
+    from emovid.figures.gallery import Film, Picture
+    from emovid.figures.run_cache import Material
+
+GALLERY = "gallery"
+_SIZE = (600, 400)  # of the videos [pixels]
+_CRF = 28  # coarser than the study's videos: a third of their bytes
+
+
+def steps(entries: "Sequence[Entry]") -> int:
+    """Return how often `gallery` tells of something done."""
+    from emovid.scene.emotions import EMOTIONS
+
+    return len(EMOTIONS) + len(entries)
+
+
+def gallery(material: "Material", entries: "Sequence[Entry]", done: Callable[[str], None]) -> bytes:
+    """Return the page with all of the scenes, and these figures.
+
+    Args:
+        material: that they are made from.
+        entries: of the catalogue.
+        done: told of each video and each figure.
+    """
+    from importlib.metadata import version
+
+    from emovid.figures.gallery import gallery_page
+    from emovid.scene.emotions import EMOTIONS
+
+    films, pictures = [], []
+    for emotion in EMOTIONS:
+        films.append(_film(material, emotion))
+        done(f"video of {emotion}")
+    for entry in entries:
+        pictures.append(_picture(material, entry))
+        done(entry.name)
+    return gallery_page(films, pictures, version("emovid")).encode()
+
+
+def _film(material: "Material", emotion: str) -> "Film":
+    from PIL import Image
+
+    from emovid.figures.gallery import Film
+    from emovid.scene.emotions import EMOTIONS
+    from emovid.video.draw import Painter
+    from emovid.video.render import render_video
+
+    run = material.run(emotion)
+    video = run.scene.video.model_copy(update={"size": "{}x{}".format(*_SIZE), "format": "mp4"})
+    run = replace(run, scene=run.scene.model_copy(update={"video": video}))
+    with TemporaryDirectory() as folder:
+        target = Path(folder) / "video.mp4"
+        render_video(run, target, crf=_CRF)
+        data = target.read_bytes()
+    known, poster = EMOTIONS[emotion], BytesIO()
+    frame = Painter(run).frame(min(known.snapshot_times[-1], float(run.t[-1])))
+    Image.fromarray(frame[..., :3].copy()).save(poster, "png", optimize=True)
+    said = f"{known.behaviour.capitalize()}; {known.control}."
+    return Film(emotion, said, known.video, material.text(emotion), data, poster.getvalue(), _SIZE)
+
+
+def _picture(material: "Material", entry: "Entry") -> "Picture":
+    """Return a figure as SVG or as PNG, whichever is smaller: that with few lines can be enlarged for ever."""
+    from emovid.figures.gallery import Picture
+    from emovid.figures.style import encoded
+
+    figure = entry.figure(material)
+    svg, png = encoded(figure, "svg"), encoded(figure, "png")
+    kind, data = ("svg+xml", svg) if len(svg) < len(png) else ("png", png)
+    width, height = figure.get_size_inches().tolist()
+    return Picture(entry.name, entry.paper, entry.caption, kind, data, (width, height))

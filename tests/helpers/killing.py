@@ -1,0 +1,65 @@
+"""Kill the server at random moments while a crowd takes part, and compare what it acknowledged with what is kept."""
+
+import time
+from collections import Counter
+from pathlib import Path
+from random import Random
+from typing import NamedTuple
+
+import pandas as pd
+
+from emovid.cli.main import main
+from tests.helpers.crowd import Crowd
+from tests.helpers.served import serving
+
+
+class Outcome(NamedTuple):
+    """What came of it.
+
+    Attributes:
+        kills: how often the server was killed.
+        acknowledged: answers that the server said it has.
+        lost, twice: of these, how many the export lacks or has another answer to; how many it has more than once.
+        failures: replies that no participant should get.
+    """
+
+    kills: int
+    acknowledged: int
+    lost: int
+    twice: int
+    failures: list[str]
+
+
+def kill_under_load(kit: Path, duration: float, kills: int, people: int, seed: int) -> Outcome:
+    """Let `people` take part again and again until the server was killed `kills` times."""
+    random, done, everybody, failures = Random(seed), 0, [], []  # noqa: S311 - moments, not secrets
+    with serving(kit) as server:
+        while done < kills:
+            crowd = Crowd(server.address, people, duration)
+            crowd.start()
+            while crowd.is_there():
+                time.sleep(random.uniform(0.02, 0.6))
+                if done < kills:
+                    server.kill()
+                    server.start()
+                    done += 1
+            crowd.wait()
+            everybody += crowd.people
+            failures += crowd.failures
+        target = kit.parent / "after-kills.csv"
+        assert main(["study", "responses", str(kit), "-o", str(target), "--quiet"]) == 0
+    return compared(everybody, pd.read_csv(target), done, failures)
+
+
+def compared(everybody: list, table: pd.DataFrame, kills: int, failures: list[str]) -> Outcome:
+    """Hold what people were told against the rows of the export; who is who shows from the answers themselves."""
+    rows = {
+        person: dict(zip(part["position"], part["response"], strict=True))
+        for person, part in table.groupby("participant")
+    }
+    kept = Counter(tuple(sorted(answers.items())) for answers in rows.values())
+    told = Counter(tuple(sorted(person.acknowledged.items())) for person in everybody)
+    missing = told - kept
+    lost = sum(len(answers) * count for answers, count in missing.items())
+    twice = int(table.duplicated(["participant", "position"]).sum()) + sum((kept - told).values())
+    return Outcome(kills, sum(len(person.acknowledged) for person in everybody), lost, twice, failures)

@@ -1,0 +1,39 @@
+import numpy as np
+import pytest
+
+from emovid.measure.claim_metrics import evidence, speeds_in_a_second
+from emovid.scene.load import Setting, load_scene
+from emovid.swarm.simulate import simulate
+
+
+def test_the_slowest_second_is_that_of_a_fine_search() -> None:
+    trajectory = simulate(load_scene("anger"))
+    fine = np.linspace(0, 15, 15001)
+    v = np.abs(trajectory.commands[..., 0]).mean(axis=1)
+    way = np.interp(fine, trajectory.t, np.concatenate([[0], np.cumsum(v * np.diff(trajectory.t))]))
+    in_a_second = way[1000:] - way[:-1000]
+    slowest, fastest = speeds_in_a_second(trajectory)
+    assert slowest == pytest.approx(in_a_second.min(), rel=1e-3)
+    assert slowest <= in_a_second.min() + 1e-9
+    assert fastest == pytest.approx(in_a_second.max(), rel=1e-3)
+
+
+def test_a_run_of_less_than_a_second_is_one_window() -> None:
+    scene = load_scene("sadness", [Setting("duration", 0.5, "test")])
+    slowest, fastest = speeds_in_a_second(simulate(scene))
+    assert slowest == fastest > 0
+
+
+def test_sadness_has_gone_an_eighth_of_its_circle() -> None:
+    found = evidence(simulate(load_scene("sadness")))
+    assert found["circumference_share"] == pytest.approx(1 / 8, rel=0.05)
+    assert found["neighbour_gain"] == pytest.approx(1, abs=0.02)
+
+
+@pytest.mark.parametrize("name", ["happiness", "fear"])
+def test_a_lone_robot_has_no_swarm_whose_size_could_grow(name: str) -> None:
+    alone = simulate(load_scene(name, [Setting("robots", 1, "test"), Setting("duration", 1, "test")]))
+    found = evidence(alone)
+    missing = {key for key, value in found.items() if np.isnan(value)}
+    assert {"size_gain", "circumference_share", "neighbour_gain"} <= missing
+    assert not missing & {"slowest_second", "fastest_second", "centre_gain", "boundary_share", "speed_mean"}

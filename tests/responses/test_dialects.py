@@ -1,0 +1,184 @@
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from emovid.errors import SourceError
+from emovid.responses.read import read_responses
+from emovid.responses.responses import Responses
+from tests.helpers.exports import (
+    ANSWERS,
+    CODES,
+    COUNTS,
+    EMOTIONS,
+    EXPORTS,
+    GENDER,
+    KEY,
+    ORDER,
+    Export,
+    jspsych,
+    otree_wide,
+    psychopy,
+    qualtrics,
+    revisit,
+    surveymonkey,
+)
+
+
+def write(export: Export, folder: Path) -> Path:
+    """Write the files and return the folder, or the file where there is one."""
+    target = folder / "exports"
+    target.mkdir()
+    for name, data in export.files.items():
+        (target / name).write_bytes(data)
+    (folder / "key.csv").write_text(KEY)
+    (folder / "map.yaml").write_text(export.map or "labels:\n")
+    return target if len(export.files) > 1 else target / next(iter(export.files))
+
+
+def read(export: Export, folder: Path) -> Responses:
+    source = write(export, folder)
+    return read_responses(source, folder / "key.csv", folder / "map.yaml", groups=["gender"])
+
+
+@pytest.mark.parametrize("make", EXPORTS, ids=lambda make: make.__name__)
+def test_every_dialect_says_the_same(make, tmp_path) -> None:
+    export = make()
+    found = read(export, tmp_path)
+    assert {source.dialect for source in found.sources} == {export.dialect}
+    assert found.labels == found.signalled == EMOTIONS
+    assert found.counts().tolist() == COUNTS
+    assert len(found.answers) == 48
+    assert [(row.row, row.cell) for row in found.rejected] == [(0, "")] * export.skipped
+    assert found.dropped == export.dropped
+    by_person = found.answers.pivot(index="participant", columns="video", values="perceived")[list(CODES)]
+    assert sorted(map(tuple, by_person.to_numpy())) == sorted(tuple(given.values()) for given in ANSWERS.values())
+    genders = dict(
+        zip(map(tuple, by_person.to_numpy()), found.participants.loc[by_person.index, "gender"], strict=True)
+    )
+    assert genders == {tuple(ANSWERS[p].values()): GENDER[p] for p in ANSWERS}
+
+
+@pytest.mark.parametrize("make", [make for make in EXPORTS if make().positions], ids=lambda make: make.__name__)
+def test_the_order_of_the_videos_comes_along(make, tmp_path) -> None:
+    found = read(make(), tmp_path).answers.sort_values("position")
+    orders = sorted(tuple(rows["video"]) for _, rows in found.groupby("participant"))
+    assert orders == sorted(tuple(order) for order in ORDER.values())
+    assert sorted(found["position"].unique()) == [1, 2, 3, 4, 5, 6]
+
+
+@pytest.mark.parametrize("make", [make for make in EXPORTS if not make().positions], ids=lambda make: make.__name__)
+def test_an_order_that_no_column_tells_is_missing(make, tmp_path) -> None:
+    positions = read(make(), tmp_path).answers["position"]
+    assert positions.isna().all()
+    assert positions.dtype == pd.Int64Dtype()
+
+
+def test_what_differs_between_rounds_is_no_group(tmp_path) -> None:
+    assert list(read(otree_wide(), tmp_path).participants) == ["gender"]
+
+
+def test_revisit_says_itself_what_was_signalled(tmp_path) -> None:
+    (tmp_path / "tidy.csv").write_bytes(revisit().files["tidy.csv"])
+    found = read_responses(tmp_path / "tidy.csv", groups=["gender"])
+    assert found.counts().tolist() == COUNTS
+    assert sorted(found.participants["gender"]) == sorted(GENDER.values())
+
+
+def test_a_trial_s_number_within_a_block_is_no_text(tmp_path) -> None:
+    export = revisit()
+    head, *lines = [line.split(",") for line in export.files["tidy.csv"].decode().splitlines()]
+    rows = [[who, trial, f"{int(order) + 6}_0", *rest] for who, trial, order, *rest in lines]  # 9_0 comes before 10_0
+    export.files["tidy.csv"] = "\n".join(",".join(row) for row in [head, *rows]).encode()
+    found = read(export, tmp_path).answers.sort_values("position")
+    orders = sorted(tuple(rows["video"]) for _, rows in found.groupby("participant"))
+    assert orders == sorted(tuple(order) for order in ORDER.values())
+
+
+def test_what_a_questionnaire_says_of_emotions_is_no_group(tmp_path) -> None:
+    export = jspsych()
+    asked, broken = b'{""gender"":""Female"",""mood"":""sad""}', b"{gender"
+    data = export.files["all.csv"].replace(b'{""gender"":""Female""}', asked)
+    data = data.replace(b'"<p>Welcome, friend</p>","0"', b'"<p>Welcome, friend</p>","' + broken + b'"')
+    assert data.count(asked) == 3
+    assert data.count(broken) == 8
+    export.files["all.csv"] = data
+    assert list(read(export, tmp_path).participants) == ["gender"]
+
+
+def test_otree_s_videos_may_be_said_by_a_map(tmp_path) -> None:
+    export = otree_wide()
+    export.map = "videos: {study.1.player.response: z8r4}\n"
+    source = write(export, tmp_path)
+    found = read_responses(source, tmp_path / "key.csv", tmp_path / "map.yaml")
+    assert set(found.answers["video"]) == {"z8r4"}
+    assert len(found.participants) == 8
+
+
+def test_an_app_of_several_rounds_without_videos_is_passed_over(tmp_path) -> None:
+    export = otree_wide()
+    lines = export.files["all_apps_wide.csv"].decode().splitlines()
+    lines[0] += ",quiz.1.player.score,quiz.2.player.score"
+    data = "\n".join([lines[0], *(f"{line},1,0" for line in lines[1:])])
+    moved = [row.split(",")[-2:] + row.split(",")[:-2] for row in data.splitlines()]  # the quiz comes first
+    export.files["all_apps_wide.csv"] = "\n".join(",".join(row) for row in moved).encode()
+    assert read(export, tmp_path).counts().tolist() == COUNTS
+
+
+def test_psiturk_s_debug_runs_and_broken_trials_alone_are_no_study(tmp_path) -> None:
+    (tmp_path / "trialdata.csv").write_text('debugA:A,0,17,"{}"\nw:A,1,18,[1]\nw:A,2,19,{\n')
+    with pytest.raises(SourceError, match=r"trialdata.csv:2: 4: '\[1\]' no JSON object \(2 cells or rows rejected\)"):
+        read_responses(tmp_path / "trialdata.csv")
+
+
+def test_a_video_that_a_display_order_lacks_has_no_position(tmp_path) -> None:
+    export = qualtrics()
+    data = export.files["q.csv"].replace(b"z8r4|", b"").replace(b"|z8r4", b"")
+    export.files["q.csv"] = data
+    places = read(export, tmp_path).answers.groupby("video")["position"].agg(["count", "max"])
+    assert places["count"].to_dict() == {code: 8 * (code != "z8r4") for code in CODES}
+    assert places["max"].max() == 5
+
+
+def test_surveymonkey_s_file_may_lack_its_second_header_or_every_row(tmp_path) -> None:
+    head, second, *rows = surveymonkey().files["monkey.csv"].decode().splitlines()
+    for name, lines in (("one", [head, *rows]), ("none", [head, second])):
+        (tmp_path / f"{name}.csv").write_text("\n".join(lines) + "\n")
+    (tmp_path / "key.csv").write_text(KEY)
+    found = read_responses(tmp_path / "one.csv", tmp_path / "key.csv")
+    assert (found.counts().tolist(), found.sources[0].dialect) == (COUNTS, "SurveyMonkey")
+    with pytest.raises(SourceError, match=r"none.csv:1: headers alone; expected a row for each respondent"):
+        read_responses(tmp_path / "none.csv", tmp_path / "key.csv")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("sender,sender_type,response\nQ,html.Form,fear\n", "no column of videos; expected one with the key's codes"),
+        (
+            "sender,sender_type,video\nQ,html.Form,z8r4\n",
+            "no column of answers beside the videos; expected one with labels",
+        ),
+    ],
+)
+def test_trials_that_name_no_video_or_no_answer_are_refused(tmp_path, text, message) -> None:
+    (tmp_path / "x.csv").write_text(text)
+    (tmp_path / "key.csv").write_text(KEY)
+    with pytest.raises(SourceError) as error:
+        read_responses(tmp_path / "x.csv", tmp_path / "key.csv")
+    assert error.value.message == message
+
+
+def test_a_key_that_was_not_pressed_is_no_answer(tmp_path) -> None:
+    export = psychopy()
+    export.files = {name: data.replace(b",1,1.5", b",None,None") for name, data in export.files.items()}
+    found = read(export, tmp_path)
+    assert found.labels == EMOTIONS
+    assert [row.reason for row in found.rejected] == ["no answer"] * sum(COUNTS[0])
+
+
+def test_a_trial_that_ran_out_of_time_is_no_answer(tmp_path) -> None:
+    export = jspsych()
+    export.files = {name: data.replace(b'.mp4""]","0"', b'.mp4""]","null"') for name, data in export.files.items()}
+    found = read(export, tmp_path)
+    assert [row.reason for row in found.rejected] == ["no answer"] * sum(COUNTS[0])

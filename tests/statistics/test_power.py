@@ -1,0 +1,108 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.stats import binom, binomtest
+from statsmodels.stats.power import GofChisquarePower
+
+from emovid.statistics.power import (
+    MOST_PARTICIPANTS,
+    critical_hits,
+    goodness_power,
+    holm_first,
+    n_binomial,
+    n_goodness,
+    plan,
+    w_of_rate,
+)
+
+
+def binomial_power(rate: float, n: int, k: int = 6, alpha: float = 0.05) -> float:
+    """Return the exact probability that n answers with the true hit rate `rate` are found above 1 / k."""
+    return float(binom.sf(critical_hits(n, k, alpha) - 1, n, rate))
+
+
+@pytest.mark.parametrize(("w", "at_05", "at_first_step"), [(0.3, 0.30, 0.11), (0.5, 0.74, 0.49), (0.8, 0.99, 0.97)])
+def test_golden_power(w: float, at_05: float, at_first_step: float) -> None:
+    assert goodness_power(w, 45) == pytest.approx(at_05, abs=0.0051)
+    assert goodness_power(w, 45, alpha=holm_first(0.05, 6)) == pytest.approx(at_first_step, abs=0.0051)
+
+
+def test_golden_sizes() -> None:
+    assert (n_goodness(0.3), n_goodness(0.5)) == (143, 52)
+    assert (n_binomial(0.4, alpha=0.05 / 6), n_binomial(0.5, alpha=0.05 / 6)) == (41, 24)
+    assert (critical_hits(45), critical_hits(45, alpha=0.05 / 6)) == (13, 15)
+
+
+@pytest.mark.parametrize("k", [2, 6, 12])
+def test_goodness_is_that_of_statsmodels(k: int) -> None:
+    expected = GofChisquarePower().power(0.4, 37, 0.02, n_bins=k)
+    assert goodness_power(0.4, 37, k, 0.02) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(("rate", "k"), [(0.4, 6), (0.9, 2), (0.2, 12)])
+def test_effect_size_of_a_rate(rate: float, k: int) -> None:
+    shares = np.array([rate] + [(1 - rate) / (k - 1)] * (k - 1))
+    assert w_of_rate(rate, k) == pytest.approx(np.sqrt(((shares - 1 / k) ** 2 * k).sum()))
+
+
+def test_power_stays_above_from_n_on() -> None:
+    n = n_binomial(0.5, alpha=0.05 / 6)
+    assert binomial_power(0.5, n - 1, alpha=0.05 / 6) < 0.8
+    assert all(binomial_power(0.5, more, alpha=0.05 / 6) >= 0.8 for more in range(n, 4 * n))
+    assert binomial_power(0.5, 19, alpha=0.05 / 6) > 0.8  # reached earlier, but not for good
+
+
+def test_power_by_simulation() -> None:
+    hits = np.random.default_rng(1).binomial(30, 0.4, 20_000)
+    significant = {h: binomtest(h, 30, 1 / 6, alternative="greater").pvalue <= 0.01 for h in np.unique(hits).tolist()}
+    expected = np.mean([significant[h] for h in hits.tolist()])
+    assert binomial_power(0.4, 30, alpha=0.01) == pytest.approx(expected, abs=0.015)
+
+
+def test_a_plan_for_both_tests() -> None:
+    found = plan(0.4)
+    assert found.alpha == pytest.approx(0.05 / 6)
+    assert found.n == max(found.n_goodness, found.n_binomial)
+    assert found.n_binomial == 41
+    assert found.critical_hits == critical_hits(41, alpha=0.05 / 6)
+    assert goodness_power(found.w, found.n_goodness, alpha=0.05 / 6) >= 0.8
+    assert goodness_power(found.w, found.n_goodness - 1, alpha=0.05 / 6) < 0.8
+
+
+def test_a_rate_too_near_to_chance() -> None:
+    found = plan(0.168)
+    assert (found.n_goodness, found.n_binomial, found.critical_hits, found.n) == (None, None, None, None)
+    assert binomial_power(0.168, MOST_PARTICIPANTS, alpha=0.05 / 6) < 0.8
+
+
+@pytest.mark.parametrize("rate", [1 / 6, 0.1, 1.01, -1])
+def test_a_rate_that_is_not_above_chance(rate: float) -> None:
+    with pytest.raises(ValueError, match="not above the chance"):
+        plan(rate)
+
+
+@pytest.mark.parametrize("wrong", [{"alpha": 0}, {"alpha": 1}, {"power": 1}, {"power": 0}])
+def test_impossible_wishes(wrong: dict[str, float]) -> None:
+    with pytest.raises(ValueError, match="between 0 and 1"):
+        plan(0.5, **wrong)
+
+
+def test_nothing_is_significant_with_one_answer() -> None:
+    assert critical_hits(1) == 2
+    assert binomial_power(1, 1) == 0
+
+
+@given(st.integers(1, 80), st.integers(2, 12), st.sampled_from([0.001, 0.05 / 6, 0.05, 0.2]))
+@settings(max_examples=60)
+def test_critical_hits_are_those_of_the_test(n: int, k: int, alpha: float) -> None:
+    hits = critical_hits(n, k, alpha)
+    assert binomtest(hits - 1, n, 1 / k, alternative="greater").pvalue > alpha
+    assert hits > n or binomtest(hits, n, 1 / k, alternative="greater").pvalue <= alpha
+
+
+@given(st.floats(0.2, 0.9), st.integers(2, 90))
+@settings(max_examples=40)
+def test_stricter_is_weaker(rate: float, n: int) -> None:
+    assert binomial_power(rate, n, alpha=0.01) <= binomial_power(rate, n, alpha=0.05)
+    assert goodness_power(w_of_rate(rate, 6), n) <= goodness_power(w_of_rate(rate, 6), n + 1)

@@ -1,0 +1,184 @@
+from math import comb
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from emovid.responses.responses import EMOTIONS
+from emovid.statistics.circumplex import ANGLES
+from emovid.statistics.recognition import (
+    AROUSAL,
+    VALENCE,
+    collapse,
+    holm,
+    proportion_index,
+    recognise,
+    unbiased_hit_intervals,
+    unbiased_hit_rates,
+    verdict,
+    wilson,
+)
+from tests.helpers.known import TABLE_III
+
+MATRIX = st.lists(st.lists(st.integers(0, 9), min_size=4, max_size=4), min_size=4, max_size=5).map(np.array)
+
+
+def test_majorities_of_the_paper() -> None:
+    found = recognise(TABLE_III)
+    relative = {"fear", "disgust"}
+    assert [r.verdict for r in found] == [
+        "relative majority" if emotion in relative else "absolute majority" for emotion in EMOTIONS
+    ]
+    assert [round(100 * r.rate, 2) for r in found] == [64.44, 57.78, 55.56, 40.0, 40.0, 64.44]
+    assert all(r.above_chance for r in found)
+
+
+def test_golden_numbers() -> None:
+    (test, *_) = recognise(np.array([[20, 0], [7, 0], [5, 0], [5, 0], [4, 0], [4, 0]]))
+    assert (test.hits, test.n, test.chance) == (20, 45, pytest.approx(1 / 6))
+    assert test.p_binomial == pytest.approx(1.18e-5, rel=0.005)
+    assert (test.ci_low, test.ci_high) == pytest.approx((0.309, 0.588), abs=5e-4)
+
+
+def test_the_binomial_sum_by_hand() -> None:
+    (test, *_) = recognise(np.array([[3, 0], [1, 0], [1, 0]]))
+    tail = sum(comb(5, h) * 2 ** (5 - h) for h in (3, 4, 5)) / 3**5
+    assert test.p_binomial == pytest.approx(tail)
+
+
+def test_holm_by_hand() -> None:
+    assert holm(np.array([0.01, 0.04, 0.03, 0.005])) == pytest.approx([0.03, 0.06, 0.06, 0.02])
+    left_out = holm(np.array([0.01, 1.0, 0.03]), np.array([True, False, True]))
+    assert left_out == pytest.approx([0.02, 1.0, 0.03])
+
+
+def test_alpha_decides_after_holm() -> None:
+    # 4 of 8 against 1 / 4 has p = 0.114; 5 of 8 has p = 0.027, twice that after Holm.
+    counts = np.array([[5, 2], [1, 4], [1, 1], [1, 1]])
+    first, second = recognise(counts)
+    assert first.p_binomial < 0.05 < first.p_holm
+    assert not first.above_chance
+    assert recognise(counts, alpha=0.06)[0].above_chance
+    assert second.p_holm == pytest.approx(second.p_binomial)
+
+
+def test_a_video_nobody_saw() -> None:
+    seen, unseen = recognise(np.array([[4, 0], [1, 0]]))
+    assert (unseen.hits, unseen.n, unseen.p_binomial, unseen.p_holm) == (0, 0, 1, 1)
+    assert (unseen.ci_low, unseen.ci_high, unseen.verdict, unseen.above_chance) == (0, 1, "neither", False)
+    assert np.isnan([unseen.rate, unseen.hu, unseen.pi]).all()
+    assert seen.p_holm == seen.p_binomial
+
+
+@pytest.mark.parametrize(
+    ("column", "expected"),
+    [
+        ([3, 1, 1], "absolute majority"),
+        ([3, 3, 0], "neither"),
+        ([2, 1, 1], "relative majority"),
+        ([2, 2, 1], "neither"),
+        ([1, 3, 0], "neither"),
+        ([0, 0, 0], "neither"),
+    ],
+)
+def test_verdict(column: list[int], expected: str) -> None:
+    assert verdict(np.array(column), 0) == expected
+
+
+def test_wagners_vector() -> None:
+    # The example of stats.stackexchange 156774 has the signalled emotion in rows.
+    counts = np.array([[4, 1, 0, 1], [0, 3, 2, 1], [0, 0, 6, 0], [2, 0, 0, 4]]).T
+    assert unbiased_hit_rates(counts) == pytest.approx([0.444, 0.375, 0.750, 0.444], abs=5e-4)
+
+
+def test_a_label_never_given_has_no_unbiased_rate() -> None:
+    rates = unbiased_hit_rates(np.array([[0, 0], [3, 4]]))
+    assert np.isnan(rates[0])
+    assert rates[1] == pytest.approx(4**2 / (7 * 4))
+
+
+def test_bootstrap_interval_covers_and_repeats() -> None:
+    rng = np.random.default_rng(5)
+    columns = [rng.permutation(np.repeat(np.arange(6), TABLE_III[:, j])) for j in range(6)]
+    choices = np.array(columns).T
+    intervals = unbiased_hit_intervals(choices, 6, seed=1)
+    rates = unbiased_hit_rates(TABLE_III)
+    assert ((intervals[:, 0] < rates) & (rates < intervals[:, 1])).all()
+    assert (intervals == unbiased_hit_intervals(choices, 6, seed=1)).all()
+    assert (intervals != unbiased_hit_intervals(choices, 6, seed=2)).any()
+
+
+def test_bootstrap_against_resampling_people_one_by_one() -> None:
+    rng = np.random.default_rng(8)
+    choices = np.where(rng.random((30, 3)) < 0.6, np.arange(3), rng.integers(-1, 3, (30, 3)))
+    samples = []
+    for _ in range(2000):
+        again = choices[rng.integers(30, size=30)]
+        counts = np.array([[(again[:, j] == i).sum() for j in range(3)] for i in range(3)])
+        samples.append([counts[j, j] ** 2 / counts[j].sum() / counts[:, j].sum() for j in range(3)])
+    expected = np.percentile(samples, [2.5, 97.5], axis=0).T
+    assert unbiased_hit_intervals(choices, 3) == pytest.approx(expected, abs=0.03)
+
+
+def test_bootstrap_where_nothing_is_defined() -> None:
+    intervals = unbiased_hit_intervals(np.array([[1, 1], [1, -1]]), 2)
+    assert np.isnan(intervals[0]).all()
+    assert np.isfinite(intervals[1]).all()
+    assert np.isnan(unbiased_hit_intervals(np.empty((0, 2), dtype=np.int64), 2)).all()
+
+
+@pytest.mark.parametrize("k", range(2, 13))
+def test_proportion_index(k: int) -> None:
+    assert proportion_index(1 / k, k) == pytest.approx(0.5)
+    assert proportion_index(0, k) == 0
+    assert proportion_index(1, k) == pytest.approx(1)
+    assert proportion_index(0.3, 2) == 0.3
+
+
+def test_valence_of_table_iii() -> None:
+    found = collapse(TABLE_III, EMOTIONS, VALENCE)
+    assert found.table.tolist() == [[29 + 8 + 5 + 26, 19], [22, 161]]
+    assert found.table.sum() == 270
+    happiness, anger = found.videos["happiness"], found.videos["anger"]
+    assert (happiness.hits, happiness.chance) == (34, pytest.approx(2 / 6))
+    assert (anger.hits, anger.chance) == (25 + 9 + 2 + 1, pytest.approx(4 / 6))
+
+
+def test_arousal_of_table_iii() -> None:
+    found = collapse(TABLE_III, EMOTIONS, AROUSAL)
+    assert found.table[1].tolist() == [1 + 3 + 1 + 6 + 2, 29]
+    assert found.videos["sadness"].hits == 29
+
+
+def test_none_of_these_is_a_miss_and_strange_labels_have_no_pole() -> None:
+    found = collapse(np.array([[2, 1], [1, 2], [3, 3]]), ("happiness", "awe", "none"), VALENCE)
+    assert list(found.videos) == ["happiness"]
+    assert (found.videos["happiness"].hits, found.videos["happiness"].n) == (2, 6)
+    assert found.videos["happiness"].chance == pytest.approx(1 / 3)
+    assert found.table.tolist() == [[2, 0], [0, 0]]
+
+
+def test_poles_are_the_halves_of_the_circle() -> None:
+    angle = np.radians([ANGLES[emotion] for emotion in EMOTIONS])
+    valence, arousal = np.cos(angle), np.sin(angle)
+    assert [VALENCE[emotion] for emotion in EMOTIONS] == (valence > 0).tolist()
+    assert [AROUSAL[emotion] for emotion in EMOTIONS] == (arousal > 0).tolist()
+
+
+@given(MATRIX)
+@settings(max_examples=30)
+def test_any_matrix(counts: np.ndarray) -> None:
+    for test in recognise(counts):
+        assert 0 <= test.p_binomial <= test.p_holm <= 1
+        assert 0 <= test.ci_low <= test.ci_high <= 1
+        assert np.isnan(test.hu) or 0 <= test.hu <= test.rate + 1e-12
+
+
+@given(st.integers(1, 60), st.data())
+@settings(max_examples=25)
+def test_more_hits_are_stronger(n: int, data) -> None:
+    hits = data.draw(st.integers(0, n - 1))
+    fewer, more = (recognise(np.array([[h], [n - h], [0]]))[0] for h in (hits, hits + 1))
+    assert more.p_binomial < fewer.p_binomial
+    assert wilson(hits, n) < wilson(hits + 1, n)

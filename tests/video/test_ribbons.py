@@ -1,0 +1,81 @@
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+
+from emovid.scene.view import Aim
+from emovid.video.pinhole import Pinhole
+from emovid.video.ribbons import Ribbon, ribbon
+from tests.helpers.pinholes import FLOOR, PINHOLES
+
+TURNS = st.lists(st.floats(-0.12, 0.12), min_size=2, max_size=12).map(np.cumsum)
+ARCS = TURNS.map(lambda turns: np.stack([np.cos(turns), np.sin(turns)], axis=-1).cumsum(axis=0) / 15)
+LINES = st.lists(FLOOR, min_size=2, max_size=12).map(np.array) | ARCS
+WIDTHS = st.floats(0.002, 0.3)
+
+
+@given(PINHOLES, LINES, WIDTHS, st.integers(0, 2**32))
+def test_a_ribbon_is_what_is_within_half_a_width_of_the_line_on_the_floor(camera, line, width, seed) -> None:
+    path = ribbon(camera, line, width).path
+    places = np.random.default_rng(seed).normal(line[:, None], width, (len(line), 30, 2)).reshape(-1, 2)
+    places = places[places[:, 1] > -1.9]  # before the camera
+    distance = shapely.distance(shapely.LineString(line.round(9)), shapely.points(places))
+    pieces = [shapely.Polygon(piece) for piece in path.to_polygons()]
+    seen = shapely.contains(shapely.union_all(pieces), shapely.points(camera.pixels(places)))
+    assert seen[distance < 0.97 * width / 2].all()  # round joints are polygons, 2 % within the circle
+    assert not seen[distance > 1.002 * width / 2].any()
+
+
+@given(PINHOLES, LINES, WIDTHS)
+def test_all_pieces_of_a_ribbon_run_one_way_round(camera, line, width) -> None:
+    for piece in ribbon(camera, line, width).path.to_polygons():
+        x, y = piece[:-1].T
+        assert (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() > -1e-6  # else two that overlap would leave a hole
+
+
+@given(PINHOLES, LINES, WIDTHS, st.integers(1, 10))
+def test_a_line_cut_in_two_looks_like_one(camera, line, width, cut) -> None:
+    cut = min(cut, len(line) - 2)
+    if cut < 1:
+        return
+
+    def area(*ribbons: Ribbon) -> shapely.Geometry:
+        return shapely.union_all([shapely.Polygon(piece) for made in ribbons for piece in made.path.to_polygons()])
+
+    whole = area(ribbon(camera, line, width))
+    parts = area(ribbon(camera, line[: cut + 1], width), ribbon(camera, line[cut:], width, line[cut - 1]))
+    ends = area(ribbon(camera, line[[-1, -1]], width), ribbon(camera, line[[cut, cut]], width))
+    assert shapely.area(whole - parts - ends) < 0.01 * whole.area
+    assert shapely.area(parts - whole - ends) < 0.01 * whole.area
+
+
+@given(PINHOLES, LINES, WIDTHS, st.integers(1, 9))
+def test_the_boxes_hold_the_ribbon(camera, line, width, group) -> None:
+    made = ribbon(camera, line, width, group=group)
+    vertices = np.concatenate(made.path.to_polygons())
+    inside = ((vertices[:, None] >= made.low - 1e-9) & (vertices[:, None] <= made.high + 1e-9)).all(axis=-1)
+    assert inside.any(axis=1).all()
+    assert len(made.low) <= 2 + 2 * len(line) // group
+
+
+@given(PINHOLES)
+def test_a_line_across_is_thinner_the_farther_away_it_is(camera) -> None:
+    lines = [np.array([[-0.1, y], [0.1, y]]) for y in (-0.5, 0.5)]
+    near, far = (np.ptp(ribbon(camera, line, 0.02).path.to_polygons()[0][:, 1]) for line in lines)
+    assert far < near
+
+
+def test_a_line_seen_at_45_degrees_has_its_whole_width_along_the_view_and_less_across() -> None:
+    camera = Pinhole(400, 300, Aim(0.0, -1.0, 1.0, np.pi / 4, 1000.0), (0.0, 0.0), (0.0, 0.0))
+    strip = slice(0, 4)  # the path's first piece, before the round joints
+    across = np.asarray(ribbon(camera, np.array([[-0.1, 0.0], [0.1, 0.0]]), 0.002).path.vertices)[strip]
+    away = np.asarray(ribbon(camera, np.array([[0.0, -1e-4], [0.0, 1e-4]]), 0.002).path.vertices)[strip]
+    whole = 0.002 * 1000 / np.sqrt(2)  # at a distance of sqrt(2) m
+    assert np.ptp(away[:, 0]) == pytest.approx(whole, rel=1e-3)
+    assert np.ptp(across[:, 1]) == pytest.approx(whole * np.sin(np.pi / 4), rel=1e-3)
+
+
+@given(PINHOLES, LINES, st.sampled_from([1e-300, 1e-12]))
+def test_a_line_that_is_too_thin_to_see_is_a_line_all_the_same(camera, line, width) -> None:
+    assert np.isfinite(ribbon(camera, line, width).path.vertices).all()

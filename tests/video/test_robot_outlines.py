@@ -1,0 +1,37 @@
+"""The outlines that videos and figures share."""
+
+import numpy as np
+import pytest
+
+from emovid.scene.robots import Body
+from emovid.video.robot_outlines import robot_parts, robot_rim, trailed_robots
+
+ARROW = [[0.03, 0.0], [-0.02, 0.02], [-0.01, 0.0], [-0.02, -0.02]]
+
+
+def body(corners: list[list[float]]) -> Body:
+    shape = {"kind": "polygon", "corners": corners}
+    return Body.model_validate({"kinematics": "single_integrator", "shape": shape, "height": 0.02})
+
+
+def doubled_area(ring: np.ndarray) -> float:
+    x, y = ring.T
+    return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
+
+
+@pytest.mark.parametrize("corners", [ARROW, ARROW[::-1]], ids=["counter-clockwise", "clockwise"])
+def test_all_outlines_run_one_way_round_however_corners_are_listed(corners) -> None:
+    outline, rim = robot_parts(body(corners))["body"], robot_rim(body(corners), 0.005)
+    for path, count in ((outline, 1), (rim, 1 + len(corners))):
+        rings = path.to_polygons()
+        assert len(rings) == count
+        assert all(doubled_area(ring) > 0 for ring in rings)  # else two that overlap would leave a hole
+    assert doubled_area(outline.to_polygons()[0]) == pytest.approx(abs(doubled_area(np.array(ARROW))))
+
+
+@pytest.mark.parametrize(
+    ("robots", "trails", "expected"),
+    [(15, 5, [0, 3, 6, 9, 12]), (3, None, [0, 1, 2]), (3, 5, [0, 1, 2]), (3, 0, []), (7, 2, [0, 3])],
+)
+def test_trails_are_spread_evenly_through_the_swarm(robots, trails, expected) -> None:
+    assert trailed_robots(robots, trails).tolist() == expected
