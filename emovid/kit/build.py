@@ -11,11 +11,11 @@ from emovid.errors import EmovidError, InputError
 from emovid.kit.folders import KitFolder, csv_text, set_times, write_text
 from emovid.kit.load import LoadedStudy
 from emovid.kit.manifest import manifest_of
-from emovid.kit.model import Study
 from emovid.kit.mp4 import pad_alike
 from emovid.kit.orders import Order, presentation_orders
 from emovid.kit.seeded_random import commitment, fresh_seed, salt, shuffled
 from emovid.kit.stimuli import Stimulus, blinded, make
+from emovid.kit.study import Study
 from emovid.video.encode import count_frames
 
 _OWNER_ONLY = 0o600

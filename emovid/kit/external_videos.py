@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from emovid.errors import RenderError, SourceError
-from emovid.kit.model import Look
 from emovid.kit.seeded_random import draw
+from emovid.kit.study import Look
 from emovid.scene.video import Video
 from emovid.video.canvas import Pixels
 from emovid.video.encode import address, count_frames, ffmpeg, write_video

@@ -1,4 +1,4 @@
-"""From study.yaml to a valid study and the scenes and videos it names."""
+"""Reading a study.yaml, with the scenes and finished videos that it names."""
 
 import hashlib
 import json
@@ -15,11 +15,11 @@ from pydantic import ValidationError
 from emovid.atomic_io import file_digest
 from emovid.errors import SourceError, nearest
 from emovid.kit.external_videos import check_video
-from emovid.kit.model import MAX_VIDEOS, Stimulus, Study
-from emovid.responses.key import read_bytes
+from emovid.kit.study import MAX_VIDEOS, StimulusKeys, Study
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, load_scene, scene_digest
 from emovid.scene.model import Scene
+from emovid.scene.resources import read_text
 from emovid.scene.validation_messages import complaint
 from emovid.swarm.simulate import check_start
 from emovid.yaml_source import KeyPath, Places, place_of, read_yaml
@@ -30,16 +30,16 @@ _MAX_BYTES = 2_000_000
 
 @dataclass(frozen=True)
 class Exemplar:
-    """One video to be made: what it shows, before it is blinded.
+    """A video to make, before it gets its code.
 
     Attributes:
-        entry: its stimulus, counted from 0 as in study.yaml.
-        emotion: the label it stands for.
-        source: the scene's name, or the video's.
-        number: counted from 0 among those of one scene and one level of each factor.
+        entry: index of its stimulus in study.yaml, from 0.
+        emotion: the label that it signals.
+        source: name of the scene or of the finished video.
+        number: index among the exemplars of one scene and one combination of levels, from 0.
         factors: the level of each factor.
-        scene: or None for a finished video.
-        video: the finished video, or None.
+        scene: the scene; None for a finished video.
+        video: the finished video; None for a scene.
     """
 
     entry: int
@@ -53,26 +53,20 @@ class Exemplar:
 
 @dataclass(frozen=True)
 class LoadedStudy:
-    """A study with what it names.
-
-    Attributes:
-        path: of its study.yaml.
-        study: what that says.
-        exemplars: the videos to be made, in its order.
-    """
+    """A study, its file, and its exemplars in the order of study.yaml."""
 
     path: Path
     study: Study
     exemplars: tuple[Exemplar, ...]
 
     def digest(self) -> str:
-        """Return the SHA-256 of all that decides a kit besides seed and participants."""
-        made_of = [
+        """Return the SHA-256 of everything that determines a kit except seed and number of participants."""
+        contents = [
             scene_digest(item.scene) if item.scene else file_digest(item.video) if item.video else ""
             for item in self.exemplars
         ]
-        said = self.study.resolved() | {"participants": None}
-        text = json.dumps([version("emovid"), said, made_of], sort_keys=True, separators=(",", ":"))
+        keys = self.study.resolved() | {"participants": None}
+        text = json.dumps([version("emovid"), keys, contents], sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(text.encode()).hexdigest()
 
 
@@ -80,51 +74,36 @@ def load_study(source: Path) -> LoadedStudy:
     """Return the study of a study.yaml, or of a folder that holds one.
 
     Raises:
-        SourceError: for a study that cannot be meant, or that names a wrong scene or video: with file, line and key.
+        SourceError: for an invalid study, or one that names an invalid scene or video, with file, line and key.
     """
     path = source / NAME if source.is_dir() else source
-    study, places = _read(path)
-    exemplars = tuple(_exemplars(study, path, places))
-    _check_shown(study, exemplars, places)
-    return LoadedStudy(path, study, exemplars)
-
-
-def _read(path: Path) -> tuple[Study, Places]:
-    data = read_bytes(path)
-    if len(data) > _MAX_BYTES:
-        raise SourceError(str(path), "too large for a study; expected a study.yaml")
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise SourceError(str(path), "not UTF-8 text", data[: error.start].count(b"\n") + 1) from None
-    try:
-        values, places = read_yaml(text, str(path))
-    except SourceError as error:
-        raise SourceError(error.where, error.message.replace("a scene", "a study"), 0, error.key) from None
+    values, places = read_yaml(read_text(path, "study", _MAX_BYTES), str(path), "study")
     if not isinstance(values, dict):
         raise SourceError(str(path), "not a study: expected keys such as title, question, labels, stimuli")
     try:
-        return Study.model_validate(values), places
+        study = Study.model_validate(values)
     except ValidationError as error:
-        found = complaint(error, places, Study)
-        raise SourceError(found.where, found.message, 0, found.key) from None
+        raise complaint(error, places, Study) from None
+    exemplars = tuple(_exemplars(study, path, places))
+    _check_one_of_each(study, exemplars, places)
+    return LoadedStudy(path, study, exemplars)
+
+
+def _error(path: KeyPath, places: Places, message: str) -> SourceError:
+    return SourceError(place_of(path, places), message, key=".".join(map(str, path)))
 
 
 def _exemplars(study: Study, path: Path, places: Places) -> Iterator[Exemplar]:
-    count = len(study.stimuli) * study.exemplars
-    for factor in study.factors.values():
-        count *= len(factor)
+    combinations = [dict(zip(study.factors, levels, strict=True)) for levels in product(*study.factors.values())]
+    count = len(study.stimuli) * study.exemplars * len(combinations)
     if count > MAX_VIDEOS:
-        raise SourceError(
-            place_of(("stimuli",), places), f"{count} videos; expected at most {MAX_VIDEOS}", 0, "stimuli"
-        )
-    combinations = [dict(zip(study.factors, chosen, strict=True)) for chosen in product(*study.factors.values())]
+        raise _error(("stimuli",), places, f"{count} videos; expected at most {MAX_VIDEOS}")
     for entry, stimulus in enumerate(study.stimuli):
         at: KeyPath = ("stimuli", entry)
         if stimulus.video is not None:
             video = path.parent / stimulus.video
             emotion = _label(stimulus, None, study, at, places)
-            with _blamed_on((*at, "video"), places):
+            with _errors_at((*at, "video"), places):
                 check_video(video, study.video)
             yield Exemplar(entry, emotion, Path(stimulus.video).stem, video=video)
             continue
@@ -136,7 +115,7 @@ def _exemplars(study: Study, path: Path, places: Places) -> Iterator[Exemplar]:
 
 
 def _scene(study: Study, entry: int, levels: Mapping[str, str], path: Path, places: Places) -> Scene:
-    """Return the scene of a stimulus at one level of each factor, with all that the study sets in it."""
+    """Return the scene of a stimulus at one level of each factor, with the keys that the study sets."""
     stimulus = study.stimuli[entry]
     name = str(stimulus.scene)
     file = path.parent / name
@@ -145,48 +124,47 @@ def _scene(study: Study, entry: int, levels: Mapping[str, str], path: Path, plac
     groups += [(("factors", factor, level), study.factors[factor][level]) for factor, level in levels.items()]
     groups += [(("stimuli", entry, "set"), stimulus.set)]
     settings = [Setting(key, value, place_of((*at, key), places)) for at, keys in groups for key, value in keys.items()]
-    look = {"video.size": study.video.size, "video.fps": study.video.fps, "duration": study.video.duration}
-    own = {"video.format": "mp4"} | look
-    settings += [Setting(key, value, place_of(("video", key.rpartition(".")[2]), places)) for key, value in own.items()]
-    with _blamed_on(("stimuli", entry, "scene"), places):
+    common = {"video.format": "mp4", "video.size": study.video.size, "video.fps": study.video.fps}
+    common["duration"] = study.video.duration
+    settings += [
+        Setting(key, value, place_of(("video", key.rpartition(".")[2]), places)) for key, value in common.items()
+    ]
+    with _errors_at(("stimuli", entry, "scene"), places):
         scene = load_scene(source, settings)
         check_start(scene)
         for overlay, shown in scene.video.overlays:
             if shown:
-                raise scene.fault(f"video.overlays.{overlay}", "true: a stimulus shows stage, robots and trails alone")
+                raise scene.fault(f"video.overlays.{overlay}", "true: a stimulus shows only stage, robots and trails")
     return scene
 
 
 @contextmanager
-def _blamed_on(path: KeyPath, places: Places) -> Iterator[None]:
-    """Turn what is wrong with a scene or a video into an error on the line of the study that names it."""
+def _errors_at(path: KeyPath, places: Places) -> Iterator[None]:
+    """Turn an error in a scene or a video into one on the line of the study that names it."""
     try:
         yield
     except SourceError as error:
         where = place_of(path, places)
         if error.where.startswith(f"{where.rpartition(':')[0]}:"):  # a key that the study itself sets
             raise SourceError(error.where, error.message, 0, error.key) from None
-        raise SourceError(where, str(error), 0, ".".join(map(str, path))) from None
+        raise _error(path, places, str(error)) from None
 
 
-def _label(stimulus: Stimulus, scene: Scene | None, study: Study, at: KeyPath, places: Places) -> str:
-    """Return the label that a stimulus stands for: the one given beside it, else its scene's emotion."""
+def _label(stimulus: StimulusKeys, scene: Scene | None, study: Study, at: KeyPath, places: Places) -> str:
+    """Return the label that a stimulus signals: its own `emotion`, or else that of its scene."""
     emotion = stimulus.emotion or (scene.emotion if scene else None)
     if emotion in study.labels:
         return str(emotion)
-    found = f"{emotion!r} is no label{nearest(emotion, study.labels)}" if emotion else "stands for no emotion"
-    key, remedy = ("emotion", "expected") if stimulus.emotion else ("scene", "expected emotion: beside it, with")
-    path = (*at, key)
-    message = f"{found}; {remedy} one of {', '.join(study.labels)}"
-    raise SourceError(place_of(path, places), message, 0, ".".join(map(str, path)))
+    found = f"{emotion!r} is not a label{nearest(emotion, study.labels)}" if emotion else "has no emotion"
+    key, remedy = ("emotion", "expected") if stimulus.emotion else ("scene", "expected an emotion beside it,")
+    raise _error((*at, key), places, f"{found}; {remedy} one of {', '.join(study.labels)}")
 
 
-def _check_shown(study: Study, exemplars: tuple[Exemplar, ...], places: Places) -> None:
-    """Refuse to show one video of each emotion where emotions have different numbers of them."""
+def _check_one_of_each(study: Study, exemplars: tuple[Exemplar, ...], places: Places) -> None:
+    """Refuse to show one video of each emotion where emotions have different numbers of videos."""
     counts = {label: sum(item.emotion == label for item in exemplars) for label in study.labels}
     counts = {label: count for label, count in counts.items() if count}
     if study.orders.shown == "one_of_each" and len(set(counts.values())) > 1:
         listed = ", ".join(f"{count} of {label}" for label, count in counts.items())
-        path = ("orders", "shown")
-        message = f"one_of_each needs as many videos of one emotion as of the others; there are {listed}"
-        raise SourceError(place_of(path, places), message, 0, ".".join(path))
+        message = f"one_of_each: expected equally many videos of each emotion; found {listed}"
+        raise _error(("orders", "shown"), places, message)

@@ -11,9 +11,8 @@ from pydantic import Field, PositiveFloat, PositiveInt, ValidationError
 from emovid.atomic_io import file_digest, reason
 from emovid.errors import InputError
 from emovid.kit.folders import KitFolder
-from emovid.kit.model import Ethics, Study
 from emovid.kit.orders import Scheme
-from emovid.kit.pages import Consent, Item, Rating, Texts, Thanks
+from emovid.kit.study import Consent, Ethics, Question, Rating, Study, Texts, Thanks
 from emovid.scene.fields import Keys
 from emovid.scene.validation_messages import complaint
 
@@ -63,7 +62,7 @@ class Manifest(Keys):
     question: str
     choices: Choices
     ratings: tuple[NamedRating, ...]
-    demographics: tuple[Item, ...]
+    demographics: tuple[Question, ...]
     consent: Consent
     instructions: str
     thanks: Thanks

@@ -10,8 +10,8 @@ from emovid.atomic_io import reason
 from emovid.errors import InputError
 from emovid.kit.folders import KitFolder
 from emovid.kit.manifest import Manifest, read_manifest
-from emovid.kit.model import Study
 from emovid.kit.orders import Order
+from emovid.kit.study import Study
 from emovid.responses.key import read_key
 from emovid.responses.labels import NONE, Labels
 

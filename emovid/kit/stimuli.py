@@ -10,8 +10,8 @@ from typing import Any
 from emovid.errors import SourceError
 from emovid.kit.external_videos import reencode
 from emovid.kit.load import Exemplar, LoadedStudy
-from emovid.kit.model import Look, Vary
 from emovid.kit.seeded_random import draw, flip, share, video_codes
+from emovid.kit.study import Look, Vary
 from emovid.kit.symmetry import can_half_turn, can_mirror, can_turn, mirrored, turned
 from emovid.scene.behaviour import ContourKeys
 from emovid.scene.model import Scene

@@ -13,17 +13,17 @@ CONFIGS = _ABOVE / "configs"
 STUDIES = _ABOVE / "studies"
 
 
-def read_text(path: Path, what: str = "scene") -> str:
-    """Return the text of a file; `what` it should hold is for messages.
+def read_text(path: Path, what: str = "scene", most: int = MAX_BYTES) -> str:
+    """Return the text of a file of at most `most` bytes; `what` it should hold is for messages.
 
     Raises:
         SourceError: if it cannot be read, is too large or no UTF-8.
     """
     try:
         with path.open("rb") as file:
-            data = file.read(MAX_BYTES + 1)
-        if len(data) > MAX_BYTES:
-            raise SourceError(str(path), f"too large for a {what}: more than {MAX_BYTES // 1_000_000} MB")
+            data = file.read(most + 1)
+        if len(data) > most:
+            raise SourceError(str(path), f"too large for a {what}: more than {most // 1_000_000} MB")
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from emovid.kit.manifest import NamedRating
-from emovid.kit.pages import Item
+from emovid.kit.study import Question
 from emovid.survey.records import Screen
 
 MOST_MARKS = 500  # of a line of text
@@ -13,7 +13,7 @@ DEVICES = ("phone", "tablet", "desktop")
 _MOST = 100_000  # pixels or frames: more is a slip
 
 
-def about_of(items: Sequence[Item], form: Mapping[str, str]) -> tuple[dict[str, str], set[str]]:
+def about_of(items: Sequence[Question], form: Mapping[str, str]) -> tuple[dict[str, str], set[str]]:
     """Return the answers about a participant, and the names of questions without one that must have one."""
     said = {item.name: _text(item, form.get(item.name, "")) for item in items}
     return said, {item.name for item in items if item.required and not said[item.name]}
@@ -47,7 +47,7 @@ def watched_of(report: Mapping[str, Any]) -> tuple[float, tuple[int, int]]:
     return _within(report.get("share"), 1.0), (_count(report.get("frames")), _count(report.get("dropped")))
 
 
-def _text(item: Item, given: str) -> str:
+def _text(item: Question, given: str) -> str:
     """Return an answer: one of the choices, or a line of text without marks that do not print; else ""."""
     if item.choices is not None:
         return given if given in item.choices else ""

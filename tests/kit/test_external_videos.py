@@ -9,7 +9,7 @@ import pytest
 
 from emovid.errors import RenderError, SourceError
 from emovid.kit.external_videos import check_video, grain, reencode
-from emovid.kit.model import Look
+from emovid.kit.study import Look
 from emovid.video.encode import ffmpeg
 
 LOOK = Look(size="160x90", fps=10, duration=1.0)

@@ -6,7 +6,7 @@ from pydantic import BaseModel
 
 from emovid.errors import EmovidError
 from emovid.kit.load import load_study
-from emovid.kit.model import Study
+from emovid.kit.study import Study
 from emovid.yaml_source import read_yaml
 from tests.helpers.tiny import STUDY, write_study
 
@@ -148,7 +148,7 @@ def test_what_a_stimulus_sets_goes_before_what_a_level_and_the_study_set(tmp_pat
     assert (items["anger", "few"].seed, items["anger", "many"].seed) == (5, 6)
 
 
-@pytest.mark.parametrize(("said", "found"), [("null", "stands for no emotion"), ("anger", "'anger' is no label")])
+@pytest.mark.parametrize(("said", "found"), [("null", "has no emotion"), ("anger", "'anger' is not a label")])
 def test_a_scene_that_stands_for_no_label_is_told_where_to_say_one(tmp_path, said, found) -> None:
     text = (ROOT / "configs" / "anger.yaml").read_text()
     assert text.count("\nemotion: anger") == 1
@@ -157,7 +157,7 @@ def test_a_scene_that_stands_for_no_label_is_told_where_to_say_one(tmp_path, sai
     (folder / "mine.yaml").write_text(text.replace("\nemotion: anger", f"\nemotion: {said}"))
     with pytest.raises(EmovidError) as caught:
         load_study(folder)
-    expected = "expected emotion: beside it, with one of happiness, surprise, curiosity, fear, disgust, sadness"
+    expected = "expected an emotion beside it, one of happiness, surprise, curiosity, fear, disgust, sadness"
     assert str(caught.value) == f"{folder / 'study.yaml'}:7: stimuli.2.scene: {found}; {expected}"
     write_study(tmp_path, changed(labels, ("scene: anger", "scene: mine.yaml\n    emotion: curiosity")))
     assert [item.emotion for item in load_study(folder).exemplars][2] == "curiosity"
@@ -165,7 +165,7 @@ def test_a_scene_that_stands_for_no_label_is_told_where_to_say_one(tmp_path, sai
 
 @pytest.mark.parametrize(
     ("name", "why"),
-    [("participant_id", "is a column of the answers"), ("consent", "is a page of the survey"),
+    [("participant_id", "is a column of the data"), ("consent", "is a page of the survey"),
      ("end", "is a page of the survey")],
 )  # fmt: skip
 def test_a_question_has_a_name_that_no_export_needs(tmp_path, name, why) -> None:
@@ -177,7 +177,7 @@ def test_answers_may_be_emoji(tmp_path) -> None:
     texts = {"Happiness": "😀", "Anger": "😠"}
     study = load_study(write_study(tmp_path, changed(*((f": {old}", f": {new}") for old, new in texts.items())))).study
     assert (study.answers["happiness"], study.answers["anger"]) == ("😀", "😠")
-    with pytest.raises(EmovidError, match="'😀' stands twice"):
+    with pytest.raises(EmovidError, match="'😀' occurs twice"):
         load_study(write_study(tmp_path, changed((": Happiness", ": 😀"), (": Anger", ": 😀"))))
 
 
@@ -195,7 +195,7 @@ def test_a_file_too_large_for_a_study_is_not_read(tmp_path) -> None:
 
 def test_a_label_of_two_lines_is_refused(tmp_path) -> None:
     text = changed(("{happiness: Happiness", '{"happi\\nness": Happiness'), ("scene: happiness", "scene: fear"))
-    with pytest.raises(EmovidError, match=r"study.yaml:3: labels: 'happi\\nness': expected a label in one line"):
+    with pytest.raises(EmovidError, match=r"study.yaml:3: labels: 'happi\\nness': expected one line without"):
         load_study(write_study(tmp_path, text))
 
 

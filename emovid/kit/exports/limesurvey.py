@@ -4,8 +4,8 @@ import csv
 import io
 
 from emovid.kit.exports.export import Files, paragraphs, thanks, video_tag
-from emovid.kit.pages import Item
 from emovid.kit.read import Kit
+from emovid.kit.study import Question
 from emovid.responses.labels import NONE
 
 # Of the structure file: https://www.limesurvey.org/manual/Tab_Separated_Value_survey_structure
@@ -80,7 +80,7 @@ def _choice(name: str, text: str, answers: dict[str, str], mandatory: bool = Tru
     return [question, *listed]
 
 
-def _item(item: Item) -> list[Row]:
+def _item(item: Question) -> list[Row]:
     name = item.name.replace("_", "")  # a name has letters and digits only
     if item.choices is None:
         needed = "Y" if item.required else "N"

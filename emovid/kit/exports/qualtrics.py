@@ -3,8 +3,8 @@
 import html
 
 from emovid.kit.exports.export import Files, paragraphs, thanks, video_tag
-from emovid.kit.pages import Item
 from emovid.kit.read import Kit
+from emovid.kit.study import Question
 
 _README = """# {title}
 
@@ -48,7 +48,7 @@ def _agreement(kit: Kit) -> list[str]:
     return [kit.manifest.consent.agree, kit.manifest.consent.decline]
 
 
-def _item(item: Item) -> str:
+def _item(item: Question) -> str:
     if item.choices is None:
         return f"[[Question:TE:SingleLine]]\n[[ID:{item.name}]]\n{html.escape(item.question)}\n"
     return _question(item.name, html.escape(item.question), list(item.choices))

@@ -1,0 +1,320 @@
+"""The keys of study.yaml, and the rules between them."""
+
+import re
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import AfterValidator, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from emovid.errors import SourceError
+from emovid.kit.orders import Scheme
+from emovid.responses.dialects.own import FIRST, RECORDED
+from emovid.responses.labels import NONE, Labels, plain
+from emovid.scene.fields import MAX_DURATION, Keys, inconsistent
+from emovid.scene.video import MAX_FPS
+
+MAX_VIDEOS = 200
+_COMMON = ("video", "video.size", "video.fps", "video.format", "duration", "emotion")  # keys of the study itself
+# Columns of stimuli.csv.
+_FACTS = ("video_code", "true_emotion", "source", "exemplar", "seed", "mirror", "half_turn", "turn")
+_COLUMNS = (*FIRST, *RECORDED, "participant_id", "video_code", "signalled", "perceived")  # columns of data
+_PAGES = ("consent", "instructions", "end")  # questions of exported surveys
+_TAKEN = dict.fromkeys(_COLUMNS, "is a column of the data") | dict.fromkeys(_PAGES, "is a page of the survey")
+
+SceneKeys = dict[str, Any]
+
+
+def _spelled(pattern: str, words: str) -> AfterValidator:
+    """Return a check that a text matches a pattern; `words` describe the pattern in the message."""
+
+    def check(text: str) -> str:
+        if not re.fullmatch(pattern, text):
+            raise PydanticCustomError("spelling", "{words}", {"words": words})
+        return text
+
+    return AfterValidator(check)
+
+
+Text = Annotated[str, Field(min_length=1, max_length=20_000)]
+TextList = Annotated[tuple[Text, ...], Field(strict=False)]
+Name = Annotated[
+    str,
+    _spelled("[a-z][a-z0-9_]{0,19}", "at most 20 lowercase letters, digits and underscores, beginning with a letter"),
+]
+Language = Annotated[str, _spelled("[a-z]{2,3}(-[A-Za-z0-9]{2,8})*", "a language code such as en or pt-BR")]
+Link = Annotated[str, _spelled(r"https?://\S+", "an address such as https://example.org")]
+
+
+class Question(Keys):
+    """A question about the participant."""
+
+    name: Name = Field(description="name in the data")
+    question: Text = Field(description="text of the question")
+    choices: Annotated[tuple[Text, ...], Field(strict=False, min_length=2)] | None = Field(
+        None, description="answers to choose from; null: a line of text"
+    )
+    required: bool = Field(True, description="whether an answer is required")
+
+
+class Consent(Keys):
+    """The first page: what participants agree to."""
+
+    text: Text = Field(description="text; blank lines separate paragraphs")
+    version: Text = Field(description="version of the text that the ethics board approved")
+    agree: Text = Field("I agree and want to take part", description="button to agree")
+    decline: Text = Field("I do not agree", description="button to decline")
+    declined: Text = Field(
+        "You are not taking part. Nothing was recorded. You may close this window.",
+        description="page after declining",
+    )
+
+
+class Thanks(Keys):
+    """The last page."""
+
+    text: Text = Field(description="text of the last page")
+    code: Text | None = Field(None, description="completion code for participants to copy")
+    link: Link | None = Field(None, description="return address of a recruitment service")
+
+
+class Rating(Keys):
+    """A slider below the choice."""
+
+    question: Text = Field(description="text of the question")
+    low: Text = Field(description="label of the left end")
+    high: Text = Field(description="label of the right end")
+    steps: Annotated[int, Field(ge=2, le=101)] = Field(101, description="number of positions, from 1")
+
+
+class Ratings(Keys):
+    """The sliders, in the order of the page."""
+
+    confidence: Rating | None = Field(None, description="how sure participants are of their choice")
+    valence: Rating | None = Field(None, description="how unpleasant or pleasant the emotion is")
+    arousal: Rating | None = Field(None, description="how calm or excited it is")
+
+    @property
+    def asked(self) -> dict[str, Rating]:
+        """The sliders of the study by name."""
+        return {name: rating for name, rating in self if rating is not None}
+
+
+class Texts(Keys):
+    """The words of the pages, for translation."""
+
+    next: Text = Field("Continue", description="button to the next page")
+    submit: Text = Field("Submit answer", description="button that ends a video's page")
+    play: Text = Field("Play the video", description="button")
+    again: Text = Field("Watch again", description="button")
+    watch_first: Text = Field("Watch the video to its end; then choose.", description="under the video, at first")
+    choose: Text = Field("You can watch it again as often as you like.", description="under the video, when watched")
+    progress: Text = Field("Progress", description="beside the bar on top")
+    loading: Text = Field("The videos are being loaded.", description="before the first page")
+    load_error: Text = Field("The videos could not be loaded. Please reload this page.")
+    about_you: Text = Field("About you", description="above the questions about the participant")
+    optional: Text = Field("(optional)", description="after a question that may be left out")
+    save: Text = Field("Save the answers", description="button at the end, where no server keeps them")
+    code: Text = Field("Your completion code:", description="before the code")
+    back: Text = Field("Return to the recruitment service", description="of the link at the end")
+    # Of the survey that emovid serves, besides most of the above.
+    place: Text = Field("Video {place} of {count}", description="heading of a video's page")
+    skip: Text = Field("Skip to the content", description="link that the keyboard meets first")
+    pause: Text = Field("Pause", description="button, while a video plays")
+    earlier: Text = Field("Back", description="link to the page before")
+    motion: Text = Field(
+        "The videos show many small shapes that move, some of them fast. If this makes you feel unwell, pause the "
+        "video or stop.",
+        description="notice of motion, before the first video",
+    )
+    keep_code: Text = Field(
+        "Keep this code to continue later or on another device, or to have your answers deleted:",
+        description="before the participant's own code",
+    )
+    resume: Text = Field("Continue with your code", description="link and heading")
+    your_code: Text = Field("Your code", description="of the field for it")
+    unknown_code: Text = Field("This code is not known. Please check it.")
+    missing: Text = Field("Please answer this question.", description="at a question without an answer")
+    review: Text = Field("Your answers", description="heading, after the last video")
+    review_text: Text = Field("You can change your answers until you submit them.", description="under it")
+    change: Text = Field("Change", description="link to a video's page, from there")
+    finish: Text = Field("Submit all answers", description="button that ends the survey")
+    withdraw: Text = Field("Delete my answers", description="link, heading and button")
+    withdraw_text: Text = Field("All that was recorded of you will be deleted. This cannot be undone.")
+    withdrawn: Text = Field("Your answers were deleted. You may close this window.")
+    another: Text = Field("Start for another person", description="button, where several share a computer")
+    wait: Text = Field("One moment.", description="while the server is asked")
+    offline: Text = Field("No connection to the survey. Trying again.")
+    no_script: Text = Field("This page needs JavaScript to show the video. Please turn it on and reload the page.")
+    out_of_date: Text = Field("This page was out of date; what it sent was not recorded. Please go on from here.")
+    not_found: Text = Field("There is no such page.")
+    failed: Text = Field("Something went wrong. All answers submitted before are kept. Please try again.")
+
+
+class StimulusKeys(Keys):
+    """A scene to make videos of, or a finished video."""
+
+    scene: Text | None = Field(None, description="one of the six emotions, or a scene file beside study.yaml")
+    video: Text | None = Field(None, description="instead: a finished video beside study.yaml")
+    emotion: Text | None = Field(None, description="the label that it signals; by default the scene's emotion")
+    set: SceneKeys = Field({}, description="keys of the scene to replace, as in robot.l: 0.002")
+
+
+class Vary(Keys):
+    """Random differences between a run and the public scene's, and between exemplars of one emotion."""
+
+    seed: bool = Field(True, description="new random starting positions")
+    turn: bool = Field(True, description="contours rotated about their center: another starting phase")
+    mirror: bool = Field(True, description="mirror images: contours run in the other direction")
+    half_turn: bool = Field(True, description="videos upside down")
+
+
+class Look(Keys):
+    """Size, frame rate and duration of all videos."""
+
+    size: Annotated[str, Field(pattern=r"^[1-9][0-9]{0,3}[02468]x[1-9][0-9]{0,3}[02468]$")] = Field(
+        "1280x720", description="width x height [pixels], both even"
+    )
+    fps: Annotated[int, Field(ge=1, le=MAX_FPS)] = Field(30, description="frames per second")
+    duration: Annotated[float, Field(gt=0, le=MAX_DURATION)] = Field(15.0, description="of each video [s]")
+
+    @property
+    def frames(self) -> int:
+        """Frames of each video."""
+        return max(1, round(self.duration * self.fps))
+
+
+class Orders(Keys):
+    """Which videos each participant sees, and in which order."""
+
+    scheme: Scheme = Field("williams", description="williams, latin or random")
+    shown: Literal["all", "one_of_each"] = Field(
+        "all",
+        description="all videos for everybody; or one_of_each emotion: exemplars and factors between participants",
+    )
+
+
+class Ethics(Keys):
+    """Approval by an ethics board."""
+
+    board: Text | None = Field(None, description="name of the board")
+    approval: Text | None = Field(None, description="number of the approval")
+
+
+class Planned(Keys):
+    """Effect that the number of participants is planned to detect."""
+
+    rate: Annotated[float, Field(gt=0, le=1)] = Field(0.5, description="hit rate to detect, above chance")
+    alpha: Annotated[float, Field(gt=0, lt=1)] = Field(0.05, description="familywise error rate")
+    power: Annotated[float, Field(gt=0, lt=1)] = Field(0.8, description="desired power")
+
+
+class Study(Keys):
+    """All keys of a study.yaml."""
+
+    title: Text = Field(description="title that participants read")
+    language: Language = Field("en", description="language of the texts")
+    authors: TextList = Field((), description="authors, for the exports")
+    question: Text = Field(description="question about each video")
+    labels: dict[str, Text] = Field(description="answers: label in data and key, and its text on the page")
+    none_of_these: Text | None = Field(None, description="text of one more answer, for none of them; null: not offered")
+    choices: Literal["fixed", "random"] = Field(
+        "fixed", description="order of the answers: as listed, or random for each participant and recorded"
+    )
+    ratings: Ratings = Field(Ratings(), description="sliders below the choice")
+    stimuli: Annotated[tuple[StimulusKeys, ...], Field(strict=False, min_length=1)] = Field(
+        description="scenes and finished videos"
+    )
+    set: SceneKeys = Field({}, description="keys to replace in all scenes")
+    exemplars: Annotated[int, Field(ge=1, le=50)] = Field(1, description="videos made of each scene")
+    vary: Vary = Field(Vary(), description="random differences between videos of one scene")
+    factors: dict[Name, dict[str, SceneKeys]] = Field(
+        {}, description="experimental factors: levels, and the keys of scenes that each level sets"
+    )
+    video: Look = Field(Look(), description="size, frame rate and duration of all videos")
+    orders: Orders = Field(Orders(), description="which videos each participant sees, and in which order")
+    participants: Annotated[int, Field(ge=1, le=100_000)] = Field(45, description="number of orders")
+    demographics: Annotated[tuple[Question, ...], Field(strict=False)] = Field(
+        (), description="questions before the videos"
+    )
+    consent: Consent = Field(description="first page")
+    instructions: Text = Field(description="text before the first video")
+    thanks: Thanks = Field(description="last page")
+    texts: Texts = Field(Texts(), description="words of the pages")
+    ethics: Ethics = Field(Ethics(), description="approval by an ethics board")
+    hypotheses: TextList = Field((), description="hypotheses, for the preregistration")
+    exclusions: TextList = Field((), description="rules for leaving out participants, decided before the data are seen")
+    plan: Planned = Field(Planned(), description="effect that the number of participants is planned to detect")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        for key, message in _faults(self):
+            raise inconsistent(key, message)
+        return self
+
+    @property
+    def answers(self) -> dict[str, str]:
+        """The labels and texts of all answers, none_of_these included."""
+        return self.labels | ({NONE: self.none_of_these} if self.none_of_these else {})
+
+    def resolved(self) -> dict[str, Any]:
+        """Return every key with its value, defaults included, in plain types."""
+        return self.model_dump(mode="json")
+
+
+def _faults(study: Study) -> Iterator[tuple[str, str]]:
+    """Yield (key, message) for each contradiction between keys."""
+    yield from _label_faults(study)
+    for i, stimulus in enumerate(study.stimuli):
+        yield from _stimulus_faults(study, stimulus, f"stimuli.{i}")
+    yield from _setting_faults(study)
+    names = [item.name for item in study.demographics]
+    for i, name in enumerate(names):
+        if why := "occurs twice" if name in names[:i] else _TAKEN.get(name):
+            yield f"demographics.{i}.name", f"{name!r} {why}: expected another name"
+    if study.plan.rate * len(study.answers) <= 1:
+        yield "plan.rate", f"{study.plan.rate:g}: expected more than chance, which is 1 in {len(study.answers)}"
+
+
+def _stimulus_faults(study: Study, stimulus: StimulusKeys, at: str) -> Iterator[tuple[str, str]]:
+    if (stimulus.scene is None) == (stimulus.video is None):
+        yield at, "expected either a scene or a video"
+    if stimulus.video is None:
+        return
+    if stimulus.emotion is None:
+        yield f"{at}.emotion", "missing: expected the label that the finished video signals"
+    if stimulus.set:
+        yield f"{at}.set", "a finished video has no keys to set"
+    if study.factors or study.exemplars > 1:
+        yield f"{at}.video", "a finished video cannot be varied: expected no factors and one exemplar"
+
+
+def _setting_faults(study: Study) -> Iterator[tuple[str, str]]:
+    settable = {"set": study.set} | {f"stimuli.{i}.set": stimulus.set for i, stimulus in enumerate(study.stimuli)}
+    for name, levels in study.factors.items():
+        settable |= {f"factors.{name}.{level}": keys for level, keys in levels.items()}
+        if name in _FACTS:
+            yield f"factors.{name}", "is a column of stimuli.csv: expected another name"
+        if len(levels) < 2:
+            yield f"factors.{name}", f"{len(levels)} given: expected at least 2 levels"
+    for at, keys in settable.items():
+        for key in keys:
+            if key in _COMMON:
+                yield f"{at}.{key}", "is the same for all stimuli: expected it under video: or as a key of the study"
+
+
+def _label_faults(study: Study) -> Iterator[tuple[str, str]]:
+    try:
+        labels = Labels(list(study.labels))
+    except SourceError as error:
+        yield "labels", error.message
+    else:
+        if labels.offers_none:
+            yield "labels", "'none' is no emotion: expected none_of_these for it"
+    for label in study.labels:
+        if "|" in label or not label.isprintable():  # orders.csv separates labels by |
+            yield "labels", f"{label!r}: expected one line without |"
+    words = {label: plain(text) or text for label, text in study.answers.items()}  # plain() of an emoji is empty
+    for label, text in study.answers.items():
+        if list(words.values()).count(words[label]) > 1:
+            yield (f"labels.{label}" if label in study.labels else "none_of_these"), f"{text!r} occurs twice"
