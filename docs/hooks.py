@@ -2,8 +2,6 @@
 
 import os
 import re
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -12,7 +10,10 @@ from latex2mathml.converter import convert
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
+from typer import Context
+from typer.cli import get_docs_for_click
 
+from emovid.cli.main import all_commands
 from emovid.scene.schema import scene_schema
 
 ROOT = Path(__file__).parent.parent
@@ -51,9 +52,8 @@ def _named(link: "re.Match[str]", folder: Path) -> str:
 
 def commands_page() -> str:
     """Return the page of all commands, from the command line itself."""
-    command = [sys.executable, "-m", "typer", "emovid.cli.main", "utils", "docs", "--name", "emovid"]
-    text = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    return text.replace("# `emovid`", "# Commands", 1)
+    root = all_commands()
+    return get_docs_for_click(obj=root, ctx=Context(root), name="emovid", title="Commands")
 
 
 def scene_page() -> str:

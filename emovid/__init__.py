@@ -1,5 +1,6 @@
 """Emotions expressed by a robot swarm: scenes, their simulation and videos, and studies of what people see in them."""
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -10,12 +11,14 @@ if TYPE_CHECKING:
     from emovid.statistics.analyze import analyze
     from emovid.swarm.dataframe import to_dataframe
     from emovid.swarm.simulate import simulate
+    from emovid.version import __version__
     from emovid.video.preview import show
     from emovid.video.render import render_video
 
 __all__ = [
     "EmovidError",
     "InputError",
+    "__version__",
     "analyze",
     "describe",
     "load_scene",
@@ -29,6 +32,7 @@ __all__ = [
 _HOMES = {
     "EmovidError": "emovid.errors",
     "InputError": "emovid.errors",
+    "__version__": "emovid.version",
     "analyze": "emovid.statistics.analyze",
     "describe": "emovid.measure.describe",
     "load_scene": "emovid.scene.load",
@@ -41,14 +45,12 @@ _HOMES = {
 
 
 def __getattr__(name: str) -> Any:
-    """Import the public API on first use: the command line must not pay for what it does not need (PEP 562)."""
-    from importlib import import_module
-
+    """Import the public API on first use, so that `import emovid` stays fast (PEP 562)."""
     if name not in _HOMES:
         raise AttributeError(f"module 'emovid' has no attribute {name!r}")
     return getattr(import_module(_HOMES[name]), name)
 
 
 def __dir__() -> list[str]:
-    """Return the names that completion in a notebook offers: the public API, imported or not."""
+    """Return the public names, for completion in a notebook."""
     return sorted({*globals(), *__all__})

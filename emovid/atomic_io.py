@@ -13,7 +13,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
-from emovid.errors import EmovidError
+from emovid.errors import EmovidError, reason
 
 _SUFFIX = ".part"
 _LEFT = re.compile(r"\..+\.[^.].*-\d+\.part(\.former\.part)?")  # .NAME.HOST-PID.part
@@ -132,11 +132,6 @@ def is_written(left: Path) -> bool:
         return time.time() - left.stat().st_mtime < _DAY
     except OSError:  # it has just become what it was to be
         return True
-
-
-def reason(error: OSError) -> str:
-    """Return what the system says went wrong, in lower case."""
-    return (error.strerror or str(error)).lower()
 
 
 def cause(number: int) -> str:

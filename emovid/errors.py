@@ -59,6 +59,11 @@ def nearest(word: str, known: Iterable[str]) -> str:
     return f" (did you mean {by_lower[close[0]]}?)" if close else ""
 
 
+def reason(error: OSError) -> str:
+    """Return the system's description of an error, in lower case."""
+    return (error.strerror or str(error)).lower()
+
+
 def quoted(text: str, longest: int = 40) -> str:
     """Return text in quotes for a message, cut where it is long."""
     return f"'{shortened(text, longest)}'"

@@ -9,9 +9,8 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import Any, TypeVar
 
-from emovid.atomic_io import reason
 from emovid.batch.pool import OnStep, Pool
-from emovid.errors import EmovidError
+from emovid.errors import EmovidError, reason
 
 Item = TypeVar("Item")
 OnDeath = Callable[[Any, int], None]  # is told of an item whose worker died, and which attempt that was

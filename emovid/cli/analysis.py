@@ -51,7 +51,7 @@ def analyze(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Analyse a survey's export: confusion matrix, tests, figures, report.
+    """Analyze survey exports: matrix, tests, figures, report.
 
     Examples: emovid study analyze responses.csv · emovid study analyze exports/ --key key.csv --by gender -o results/
     """
@@ -193,7 +193,9 @@ def columns(
     mapping: Map = None,
     labels: Labels = None,
 ) -> None:
-    """Show what is detected in an export, and then, on its own, a map.yaml to edit.
+    """Show which columns of an export are recognized.
+
+    The output is a map.yaml to edit, with the columns as comments.
 
     Example: emovid study columns export.csv > map.yaml
     """
@@ -214,7 +216,9 @@ def compare(
     seed: RandomSeed = 0,
     as_json: Json = False,
 ) -> None:
-    """Set a replication beside the original: differences with intervals, and a test of the whole.
+    """Compare a replication with the original study.
+
+    Prints differences with confidence intervals, and a test of the whole matrix.
 
     Example: emovid study compare original/results.json results/results.json
     """

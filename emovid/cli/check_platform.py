@@ -14,10 +14,10 @@ def check_platform(
     seed: Seed = None,
     as_json: Json = False,
 ) -> None:
-    """Check whether a testbed can run a scene: simulate it and hold the run against rules, room and motors.
+    """Check whether a testbed can run a scene.
 
-    Exits with 1 where a check fails. A file is checked as it is; an emotion is its scene for the platform, which is
-    robotarium unless another is named.
+    Simulates the scene and checks the run against the rules, the arena and the motors of the testbed; exit with 1 if a
+    check fails. A file is checked as it is; an emotion stands for its scene for the platform, robotarium by default.
 
     Examples: emovid check-platform anger · emovid check-platform my.yaml --platform robotarium-today
     """

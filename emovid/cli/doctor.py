@@ -9,10 +9,10 @@ from emovid.cli.options import Json
 
 
 def doctor(as_json: Json = False) -> None:
-    """Check this installation: packages, scenes, encoding, fonts, disk, browser, extras; exit with 1 if needed.
+    """Check this installation, and suggest a remedy for each problem.
 
-    A check does the thing itself: a second of video is encoded in each format, a file is written. What fails and is
-    needed counts; an extra that is missing does not.
+    Checks packages, scenes, encoding in each format, fonts, folders, browser and extras; exit with 1 if a required
+    check fails. A missing extra is no failure.
 
     Examples: emovid doctor · emovid doctor --json
     """

@@ -10,19 +10,11 @@ from emovid.cli import completion
 from emovid.cli.options import Emotion, Json, Quiet, Seed, Set, Source, one_source, output_file, settings
 from emovid.errors import InputError, nearest
 
-app = typer.Typer(help="Write scenes for other machines.", no_args_is_help=True)
-
 _FOLDER = "upload"
 # The shipped scenes for each arena.
 _SCENES = {"3.2x2.0": "robotarium-today", "4.3x3.6": "robotarium"}
 
 
-@app.callback()
-def _export() -> None:
-    """Write scenes for other machines."""
-
-
-@app.command()
 def robotarium(
     source: Source = None,
     emotion: Emotion = None,
@@ -45,9 +37,10 @@ def robotarium(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Write a scene as a script for the Robotarium: one file, to run in its simulator and to upload.
+    """Write a scene as an experiment script for the Robotarium.
 
-    An emotion's name stands for the scene that ships for the arena.
+    The script is one file, for the Robotarium's simulator and for upload. The name of an emotion stands for the scene
+    that ships for the arena.
 
     Examples: emovid export robotarium anger --trails · emovid export robotarium my.yaml -o my_experiment.py
     """

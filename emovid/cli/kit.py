@@ -27,7 +27,9 @@ def new(
     folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="The folder of the study, made if missing.")],
     quiet: Quiet = False,
 ) -> None:
-    """Start a new study: a study.yaml of the paper's procedure, every key explained, to make your own.
+    """Create a study file that follows the paper's procedure.
+
+    The file study.yaml explains every key; edit it to make the study your own.
 
     Example: emovid study new my-study/
     """
@@ -63,7 +65,9 @@ def build(
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
-    """Make a kit: stimuli under random codes, orders, the key. What is there of the same study and seed is kept.
+    """Build a kit: videos under random codes, orders, the key.
+
+    Existing files of the same study and seed are kept.
 
     Examples: emovid study build my-study/ -o kit/ · emovid study build my-study/ -o kit/ --participants 60
     """
@@ -121,7 +125,9 @@ def audit(
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """Look for whatever could tell a participant the emotion; exit with 1 and a line for each finding.
+    """Search a kit for anything that reveals an emotion to participants.
+
+    Prints a line for each finding; exit with 1 if there is any.
 
     Examples: emovid study audit kit/ · emovid study audit kit/ --responses answers.csv
     """
@@ -156,7 +162,9 @@ def export(
     responses: Responses = None,
     quiet: Quiet = False,
 ) -> None:
-    """Write a kit for a tool that labs use, a data set, a preregistration draft or a reporting checklist.
+    """Export a kit to a survey tool, as a data set or a draft.
+
+    Drafts of a preregistration and a reporting checklist are filled in from the kit.
 
     Example: emovid study export kit/ --to jspsych
     """

@@ -1,53 +1,138 @@
-"""The `emovid` command, and the one place where errors become a line on stderr and an exit code."""
+"""The `emovid` command: the table of commands, and the one place where errors become one line and an exit code."""
 
 import errno
 import gc
 import os
 import signal
 import sys
+from collections.abc import Iterable
+from importlib import import_module
 from io import TextIOWrapper
-from typing import Annotated, NoReturn
+from typing import Annotated, Any, NamedTuple, NoReturn
 
 import typer
+from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
-from emovid.cli import export, scene, study
-from emovid.cli.check_platform import check_platform
-from emovid.cli.doctor import doctor
-from emovid.cli.figures import figures
-from emovid.cli.measure import measure
-from emovid.cli.preview import preview
-from emovid.cli.render import render
-from emovid.cli.simulate import simulate
-from emovid.cli.status import status, verify
-from emovid.cli.sweep import sweep
-from emovid.errors import EmovidError, say_warnings_in_one_line
+import emovid
+from emovid.errors import EmovidError, reason, say_warnings_in_one_line
+
+
+class Entry(NamedTuple):
+    """One command: its name, "MODULE:FUNCTION" in `emovid.cli`, its help in one line, and its heading in the help."""
+
+    name: str
+    source: str
+    help: str
+    heading: str | None = None
+
+
+COMMANDS = (
+    Entry("render", "render:render", "Render scenes as videos; videos that are up to date are kept."),
+    Entry("preview", "preview:preview", "Show a scene at a glance: a small loop or a contact sheet, within seconds."),
+    Entry("simulate", "simulate:simulate", "Simulate a scene without drawing it."),
+    Entry("measure", "measure:measure", "Measure how scenes move, and check the paper's claims about them."),
+    Entry("check-platform", "check_platform:check_platform", "Check whether a testbed can run a scene."),
+    Entry("sweep", "sweep:sweep", "Make every missing or outdated item of a sweep, and a table of the results."),
+    Entry("status", "status:status", "List what is missing, stale or corrupt in a folder of results."),
+    Entry("verify", "status:verify", "Recompute the hashes of all files that a folder's manifest records."),
+    Entry("figures", "figures:figures", "Make the paper's figures and tables, ready for print."),
+    Entry("doctor", "doctor:doctor", "Check this installation, and suggest a remedy for each problem."),
+)
+GROUPS = {
+    "export": (
+        "Export scenes to other platforms.",
+        (Entry("robotarium", "export:robotarium", "Write a scene as an experiment script for the Robotarium."),),
+    ),
+    "scene": (
+        "List, show, check, compare and create scenes.",
+        (
+            Entry("list", "scene:list_scenes", "List the shipped scenes."),
+            Entry("robots", "scene:robots", "List the robots that `robot.model` can name."),
+            Entry("show", "scene:show", "Show a scene: its file, which explains every key."),
+            Entry("check", "scene:check", "Check a scene: simulate it and report what happens."),
+            Entry("new", "scene:new", "Create a scene as a copy of another, with its comments."),
+            Entry("schema", "scene:schema", "Print the JSON Schema of scenes, for completion and help in editors."),
+            Entry("diff", "scene:diff", "List the keys that differ between two scenes."),
+        ),
+    ),
+    "study": (
+        "Plan, build, run and analyze a user study.",
+        (
+            Entry("power", "planning:power", "Plan how many participants a study needs.", "Plan"),
+            Entry("simulate", "planning:simulate", "Simulate the responses of participants.", "Plan"),
+            Entry("new", "kit:new", "Create a study file that follows the paper's procedure.", "Build"),
+            Entry("build", "kit:build", "Build a kit: videos under random codes, orders, the key.", "Build"),
+            Entry("audit", "kit:audit", "Search a kit for anything that reveals an emotion to participants.", "Build"),
+            Entry("export", "kit:export", "Export a kit to a survey tool, as a data set or a draft.", "Build"),
+            Entry("serve", "survey:serve", "Serve a kit as a web survey until Ctrl-C.", "Run"),
+            Entry("progress", "survey:progress", "Show how many participants enrolled, finished and left.", "Run"),
+            Entry("responses", "survey:responses", "Write the answers of a web survey as a table.", "Run"),
+            Entry("withdraw", "survey:withdraw", "Delete the data of a participant who withdraws.", "Run"),
+            Entry("columns", "analysis:columns", "Show which columns of an export are recognized.", "Analyze"),
+            Entry("analyze", "analysis:analyze", "Analyze survey exports: matrix, tests, figures, report.", "Analyze"),
+            Entry("compare", "analysis:compare", "Compare a replication with the original study.", "Analyze"),
+        ),
+    ),
+}
+
+
+class ListedCommand(TyperCommand):
+    """A command in a list of commands: its module is imported when it runs or is asked for help or completion."""
+
+    def __init__(self, entry: Entry) -> None:
+        super().__init__(entry.name, help=entry.help, rich_help_panel=entry.heading)
+        self.entry = entry
+
+    def load(self) -> TyperCommand:
+        """Return the command itself."""
+        module, _, function = self.entry.source.partition(":")
+        alone = typer.Typer(add_completion=False)
+        alone.command(self.entry.name)(getattr(import_module(f"emovid.cli.{module}"), function))
+        command = typer.main.get_command(alone)
+        assert isinstance(command, TyperCommand)
+        return command
+
+    def make_context(self, *arguments: Any, **options: Any) -> Any:
+        """Parse the command line of the command itself."""
+        return self.load().make_context(*arguments, **options)
+
+
+class _Root(TyperGroup):
+    """All commands and groups, none of them imported."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.commands.update(_listed(COMMANDS))
+        for name, (text, entries) in GROUPS.items():
+            self.add_command(TyperGroup(name=name, help=text, commands=_listed(entries), no_args_is_help=True))
+
+
+def _listed(entries: Iterable[Entry]) -> dict[str, Any]:
+    return {entry.name: ListedCommand(entry) for entry in entries}
+
 
 app = typer.Typer(
+    cls=_Root,
     no_args_is_help=True,
-    pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-app.command()(render)
-app.command()(preview)
-app.command()(simulate)
-app.command()(measure)
-app.command("check-platform")(check_platform)
-app.command()(sweep)
-app.command()(status)
-app.command()(verify)
-app.command()(figures)
-app.command()(doctor)
-app.add_typer(export.app, name="export")
-app.add_typer(scene.app, name="scene")
-app.add_typer(study.app, name="study")
+
+
+def all_commands() -> TyperGroup:
+    """Return the command line with every command imported, for documentation and tests."""
+    root = typer.main.get_command(app)
+    assert isinstance(root, TyperGroup)
+    groups = [group for group in (root, *root.commands.values()) if isinstance(group, TyperGroup)]
+    for group in groups:
+        for name, command in group.commands.items():
+            group.commands[name] = command.load() if isinstance(command, ListedCommand) else command
+    return root
 
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        from importlib.metadata import version
-
-        typer.echo(f"emovid {version('emovid')}")
+        typer.echo(f"emovid {emovid.__version__}")
         raise typer.Exit
 
 
@@ -59,8 +144,8 @@ def _emovid(
 ) -> None:
     """Videos, figures and user studies of emotions expressed by a robot swarm (Santos and Egerstedt, 2021).
 
-    Exit codes: 0 for done; 1 for a failure, or a check that found something;
-    2 for a mistake in what was given; 130 or 143 for an interruption.
+    Exit codes: 0 for success; 1 for a failure, or a check that found something;
+    2 for invalid input; 130 or 143 for an interruption.
 
     Examples: emovid render --emotion anger · emovid preview my.yaml --watch · emovid COMMAND --help
     """
@@ -69,24 +154,22 @@ def _emovid(
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return its exit code: 0, 1 for a failure, 2 for bad input, 130 or 143 for a signal."""
     try:
-        # Without standalone mode Typer returns the code of an Exit, 130 for a Ctrl-C, and raises what a user did wrong.
-        # It ends the program itself, with 1, where whoever reads our output has had enough, as `head` does.
-        code = int(app(arguments, prog_name="emovid", standalone_mode=False) or 0)
-        return _say("interrupted: run again to make what is missing", code) if code == 130 else code
+        # Without standalone mode Typer returns the code of an Exit, 130 for Ctrl-C, and raises usage errors. If the
+        # reader of our output stops reading, as `head` does, Typer exits by itself with 1.
+        code = int(typer.main.get_command(app)(arguments, prog_name="emovid", standalone_mode=False) or 0)
+        return _fail("interrupted: run again to make what is missing", code) if code == 130 else code
     except EmovidError as error:
-        return _say(str(error), error.exit_code)
+        return _fail(str(error), error.exit_code)
     except TyperException as error:
-        return _say(error.format_message(), error.exit_code)
+        return _fail(error.format_message(), error.exit_code)
     except MemoryError:
-        return _say("not enough memory: fewer robots, a longer control_period or a shorter duration need less", 1)
-    except OSError as error:  # that no command has foreseen, such as a name longer than the system takes
-        from emovid.atomic_io import reason
-
+        return _fail("not enough memory: fewer robots, a longer control_period or a shorter duration need less", 1)
+    except OSError as error:  # that no command handles, such as a file name that is too long for the system
         place = f"{error.filename}: " if error.filename else ""
-        return _say(place + reason(error), 2 if error.errno == errno.ENAMETOOLONG else 1)
+        return _fail(place + reason(error), 2 if error.errno == errno.ENAMETOOLONG else 1)
 
 
-def _say(message: str, code: int) -> int:
+def _fail(message: str, code: int) -> int:
     print(" ".join(message.split()), file=sys.stderr)
     return code
 
@@ -96,13 +179,13 @@ def _on_sigterm(*_: object) -> NoReturn:
 
 
 def run() -> NoReturn:
-    """Run as a program, which a SIGTERM ends like a Ctrl-C: what is under way is undone."""
+    """Run as a program; SIGTERM ends it like Ctrl-C, and work in progress is undone."""
     signal.signal(signal.SIGTERM, _on_sigterm)
-    if isinstance(sys.stdout, TextIOWrapper):  # as stderr: signs that the encoding lacks, names that are no Unicode
+    if isinstance(sys.stdout, TextIOWrapper):  # as stderr: characters that the encoding lacks, names that are not UTF-8
         sys.stdout.reconfigure(errors="backslashreplace")
     say_warnings_in_one_line()
-    # Commands are short. Threads that wait to help with larger matrices than ours would cost each 0.2 s; looking for
-    # garbage, 0.05 s during imports and 0.1 s at the end, when all that is left goes anyway.
+    # Commands are short. OpenBLAS threads, which help only with larger matrices than ours, would cost 0.2 s each to
+    # start; garbage collection costs 0.05 s during imports and 0.1 s at exit, where all memory is freed anyway.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     gc.set_threshold(100_000)
     code = main()

@@ -54,7 +54,7 @@ def measure(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Measure how scenes move: speed, angularity, size, crowding, and whether that is what the paper claims.
+    """Measure how scenes move, and check the paper's claims about them.
 
     Examples: emovid measure --all --gate · emovid measure my.yaml fear -o measure.csv
     · emovid measure fear.npz --only cusps,cost

@@ -26,7 +26,9 @@ def power(
     wished: Annotated[float, typer.Option("--power", help="Wished power.")] = 0.8,
     as_json: Json = False,
 ) -> None:
-    """Plan how many participants recognise a video above chance.
+    """Plan how many participants a study needs.
+
+    Enough participants to recognize a video above chance with the desired power.
 
     Examples: emovid study power --rate 0.5 · emovid study power --choices 4 --power 0.9
     """
@@ -67,7 +69,9 @@ def simulate(
     seed: RandomSeed = 0,
     quiet: Quiet = False,
 ) -> None:
-    """Write the responses of model participants, to rehearse a study before anyone watches.
+    """Simulate the responses of participants.
+
+    The table rehearses the analysis of a study before anyone takes part.
 
     Examples: emovid study simulate -o responses.csv --participants 60 · emovid study simulate --bias anger=2
     """

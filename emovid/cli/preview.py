@@ -60,7 +60,7 @@ def preview(
     ] = False,
     quiet: Quiet = False,
 ) -> None:
-    """Show a scene at a glance: a small loop or a contact sheet, in about a second.
+    """Show a scene at a glance: a small loop or a contact sheet, within seconds.
 
     Examples: emovid preview my.yaml --watch · emovid preview --emotion anger --format png -o anger.png
     """

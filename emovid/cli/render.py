@@ -94,7 +94,7 @@ def render(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Render scenes as videos. What is there and up to date is not made again.
+    """Render scenes as videos; videos that are up to date are kept.
 
     Examples: emovid render --emotion anger · emovid render --all --jobs 2 · emovid render my.yaml --set robot.l=0.002
     """

@@ -1,23 +1,23 @@
 """`emovid scene`: look at scenes, check them, start new ones."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from emovid.cli import completion
 from emovid.cli.options import Force, Json, Platform, Quiet, Scene, Seed, Set, check_file, on_platform, settings
-from emovid.cli.scene_diff import diff
 from emovid.errors import InputError
 
 if TYPE_CHECKING:
     from emovid.scene import model
+    from emovid.scene.difference import Difference
 
-app = typer.Typer(help="List, show, check and make scenes.", no_args_is_help=True)
+_SHOWN = 60  # characters of a value in the table; --json has all
 
 
-@app.command("list")
 def list_scenes(platform: Platform = None, as_json: Json = False) -> None:
     """List the shipped scenes.
 
@@ -42,9 +42,10 @@ def list_scenes(platform: Platform = None, as_json: Json = False) -> None:
         typer.echo(f"{row['emotion']:<{width}}{row['behaviour']:<24}{row['control']:<19}{row['video']}")
 
 
-@app.command()
 def robots(as_json: Json = False) -> None:
-    """List the robots that `robot.model` can name; a file of your own is another.
+    """List the robots that `robot.model` can name.
+
+    `robot.model` can also name a robot file of your own.
 
     Example: emovid scene robots
     """
@@ -62,7 +63,6 @@ def robots(as_json: Json = False) -> None:
         typer.echo(f"{body.name:<19}{body.kinematics:<19}{size:<16}{most}")
 
 
-@app.command()
 def show(
     scene: Scene,
     platform: Platform = None,
@@ -76,9 +76,10 @@ def show(
     typer.echo(json.dumps(valid.resolved(), indent=2) if as_json else text, nl=as_json)
 
 
-@app.command()
 def check(scene: Scene, assignments: Set = None, seed: Seed = None, as_json: Json = False) -> None:
-    """Check a scene: read it, run it, and say how close to the edge and to each other the robots come.
+    """Check a scene: simulate it and report what happens.
+
+    Reports speeds, the smallest distance between robots, and how often motion was cut at the edge of the stage.
 
     Examples: emovid scene check my.yaml · emovid scene check anger --set robots=20 --seed 3
     """
@@ -105,7 +106,6 @@ def check(scene: Scene, assignments: Set = None, seed: Seed = None, as_json: Jso
         typer.echo(f"  {what + ':':<34} {value}")
 
 
-@app.command()
 def new(
     file: Annotated[Path, typer.Argument(help="The file to write.")],
     source: Annotated[
@@ -115,7 +115,7 @@ def new(
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
-    """Start a new scene from a copy of another, comments and all.
+    """Create a scene as a copy of another, with its comments.
 
     Example: emovid scene new my.yaml --from anger
     """
@@ -133,9 +133,8 @@ def new(
         typer.echo(f"{file}: a copy of {source}; check it with emovid scene check {file}", err=True)
 
 
-@app.command()
 def schema() -> None:
-    """Print the JSON Schema of scenes, for completion and hover help in editors.
+    """Print the JSON Schema of scenes, for completion and help in editors.
 
     Example: emovid scene schema > emovid.schema.json
     """
@@ -144,7 +143,46 @@ def schema() -> None:
     typer.echo(json.dumps(scene_schema(), indent=2))
 
 
-app.command()(diff)
+def diff(first: Scene, second: Scene, as_json: Json = False) -> None:
+    """List the keys that differ between two scenes.
+
+    Compares every key, including defaults, but not comments; exit with 1 if any key differs.
+
+    Examples: emovid scene diff anger my.yaml · emovid scene diff fear disgust --json
+    """
+    from emovid.scene.difference import differences
+    from emovid.scene.load import load_scene
+
+    found = differences(load_scene(first), load_scene(second))
+    if as_json:
+        rows = [{"key": row.key} | _present(first=row.first, second=row.second) for row in found]
+        typer.echo(json.dumps({"first": first, "second": second, "differences": rows}, indent=2))
+    elif found:
+        _show(first, second, found)
+    if found:
+        raise typer.Exit(1)
+
+
+def _present(**values: Any) -> dict[str, Any]:
+    from emovid.scene.difference import ABSENT
+
+    return {name: value for name, value in values.items() if value is not ABSENT}
+
+
+def _show(first: str, second: str, rows: "Sequence[Difference]") -> None:
+    """Print a line for each key: the key, and its value in the one scene and in the other."""
+    cells = [("key", first, second), *((row.key, _text(row.first), _text(row.second)) for row in rows)]
+    key, value = (max(len(row[column]) for row in cells) for column in (0, 1))
+    for row in cells:
+        typer.echo(f"{row[0]:<{key}}  {row[1]:<{value}}  {row[2]}")
+
+
+def _text(value: Any) -> str:
+    """Return a value as it stands in a scene; a dash for a key that is not there."""
+    from emovid.scene.difference import ABSENT
+
+    text = "-" if value is ABSENT else value if isinstance(value, str) else json.dumps(value)
+    return text if len(text) <= _SHOWN else f"{text[: _SHOWN - 3]}..."
 
 
 def _read(source: str) -> "tuple[model.Scene, str]":

@@ -19,7 +19,9 @@ Folder = Annotated[Path, typer.Argument(metavar="FOLDER", help="That emovid rend
 
 
 def status(folder: Folder, as_json: Json = False) -> None:
-    """List what is missing, stale or corrupt in a folder of results; exit with 1 if anything is.
+    """List what is missing, stale or corrupt in a folder of results.
+
+    Prints a line for each such result; exit with 1 if there is any.
 
     Example: emovid status sweeps/lk/
     """
@@ -39,7 +41,9 @@ def verify(
     jobs: Jobs = None,
     as_json: Json = False,
 ) -> None:
-    """Recompute the hashes of all files that a folder's manifest records; exit with 1 if any differs.
+    """Recompute the hashes of all files that a folder's manifest records.
+
+    Prints a line for each file that differs; exit with 1 if there is any.
 
     Examples: emovid verify videos/ · emovid verify sweeps/lk/ --rebuild
     """

@@ -29,7 +29,9 @@ def serve(
     release_after: Release = 120,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but the address and errors.")] = False,
 ) -> None:
-    """Show a kit to participants as a web survey, until Ctrl-C. Answers are kept in KIT/answers/.
+    """Serve a kit as a web survey until Ctrl-C.
+
+    Answers are stored in KIT/answers/.
 
     Examples: emovid study serve kit/ · emovid study serve kit/ --pilot --port 8001
     """
@@ -54,7 +56,9 @@ def responses(
     release_after: Release = 120,
     quiet: Quiet = False,
 ) -> None:
-    """Write the answers as the tidy table that study analyze reads, also while the survey runs.
+    """Write the answers of a web survey as a table.
+
+    The survey may be running. study analyze reads the table.
 
     Examples: emovid study responses kit/ -o responses.csv
     """
@@ -74,7 +78,9 @@ def responses(
 
 
 def progress(kit: KitPath, pilot: Pilot = False, release_after: Release = 120, as_json: Json = False) -> None:
-    """Show how many have enrolled, finished, dropped out and withdrawn, and the balance of the orders.
+    """Show how many participants enrolled, finished and left.
+
+    Also shows the balance of the orders.
 
     Examples: emovid study progress kit/ · emovid study progress kit/ --json
     """
@@ -98,7 +104,9 @@ def withdraw(
     pilot: Pilot = False,
     quiet: Quiet = False,
 ) -> None:
-    """Delete all that was recorded of a participant, who has to name the code.
+    """Delete the data of a participant who withdraws.
+
+    The participant has to provide the code.
 
     Examples: emovid study withdraw kit/ bcdf-ghjk-mnpq-rstv-wxyz-2345
     """

@@ -39,7 +39,9 @@ def sweep(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Make every item of a sweep that is missing or out of date, a table of the results, and a contact sheet.
+    """Make every missing or outdated item of a sweep, and a table of the results.
+
+    Videos also get a contact sheet.
 
     Examples: emovid sweep sweep.yaml --jobs 2 · emovid sweep sweep.yaml --only measure --shard 3/40
     """

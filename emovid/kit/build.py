@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from emovid.atomic_io import clear_leftovers, file_digest, make_folder, reason
-from emovid.errors import EmovidError, InputError
+from emovid.atomic_io import clear_leftovers, file_digest, make_folder
+from emovid.errors import EmovidError, InputError, reason
 from emovid.kit.folders import KitFolder, csv_text, set_times, write_text
 from emovid.kit.load import LoadedStudy
 from emovid.kit.manifest import manifest_of

@@ -4,8 +4,8 @@ import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from emovid.atomic_io import make_folder, reason, whole_file
-from emovid.errors import InputError
+from emovid.atomic_io import make_folder, whole_file
+from emovid.errors import InputError, reason
 from emovid.kit.exports.checklist import checklist
 from emovid.kit.exports.export import Files
 from emovid.kit.exports.jspsych import jspsych

@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, PositiveFloat, PositiveInt, ValidationError
 
-from emovid.atomic_io import file_digest, reason
-from emovid.errors import InputError
+from emovid.atomic_io import file_digest
+from emovid.errors import InputError, reason
 from emovid.kit.folders import KitFolder
 from emovid.kit.orders import Scheme
 from emovid.kit.study import Consent, Ethics, Question, Rating, Study, Texts, Thanks

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from emovid.atomic_io import reason
-from emovid.errors import InputError
+from emovid.errors import InputError, reason
 from emovid.kit.folders import KitFolder
 from emovid.kit.manifest import Manifest, read_manifest
 from emovid.kit.orders import Order

@@ -3,8 +3,7 @@
 import re
 from pathlib import Path
 
-from emovid.atomic_io import reason
-from emovid.errors import SourceError, nearest, quoted
+from emovid.errors import SourceError, nearest, quoted, reason
 from emovid.responses.labels import NONE, Labels
 from emovid.responses.tables import Table, read_table
 

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from emovid.atomic_io import reason
-from emovid.errors import SourceError, nearest, quoted
+from emovid.errors import SourceError, nearest, quoted, reason
 from emovid.responses.answer_validation import COLUMNS, settle
 from emovid.responses.dialects.jspsych import json_table
 from emovid.responses.dialects.parsed_export import Known, Raw, no_answers

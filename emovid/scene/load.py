@@ -11,8 +11,7 @@ import yaml
 from pydantic import ValidationError
 
 from emovid import yaml_source
-from emovid.atomic_io import reason
-from emovid.errors import SourceError, nearest
+from emovid.errors import SourceError, nearest, reason
 from emovid.scene.emotions import EMOTIONS, PLATFORMS
 from emovid.scene.model import Scene
 from emovid.scene.picture import read_pictures

@@ -7,8 +7,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from emovid.atomic_io import reason
-from emovid.errors import SourceError
+from emovid.errors import SourceError, reason
 from emovid.yaml_source import KeyPath, Places, place_of
 
 MAX_SIDE = 128  # pixels kept: finer than any smoothing leaves visible

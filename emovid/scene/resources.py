@@ -2,8 +2,7 @@
 
 from pathlib import Path
 
-from emovid.atomic_io import reason
-from emovid.errors import SourceError
+from emovid.errors import SourceError, reason
 
 MAX_BYTES = 32_000_000  # a scene that lists the poses of 100 000 robots has 5 MB
 

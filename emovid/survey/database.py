@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from emovid.atomic_io import make_folder, reason
-from emovid.errors import EmovidError, InputError
+from emovid.atomic_io import make_folder
+from emovid.errors import EmovidError, InputError, reason
 
 _OWNER_ONLY = 0o600
 _BUSY = 30.0  # seconds to wait for another process, as one that withdraws a participant

@@ -8,8 +8,7 @@ from typing import Any
 from flask import Flask
 from waitress.server import MultiSocketServer, create_server
 
-from emovid.atomic_io import reason
-from emovid.errors import EmovidError, InputError
+from emovid.errors import EmovidError, InputError, reason
 from emovid.survey.app import MOST_BYTES, create_app
 from emovid.survey.open import open_survey
 

@@ -8,8 +8,8 @@ from typing import IO, Any
 
 import numpy as np
 
-from emovid.atomic_io import reason, writing
-from emovid.errors import EmovidError, InputError, SourceError
+from emovid.atomic_io import writing
+from emovid.errors import EmovidError, InputError, SourceError, reason
 from emovid.scene.load import Setting, parse_scene, scene_text
 from emovid.scene.model import Scene
 from emovid.scene.safety import Barrier

@@ -18,8 +18,8 @@ from typing import IO
 
 import imageio_ffmpeg
 
-from emovid.atomic_io import cause, reason, whole_file, whole_folder
-from emovid.errors import InputError, RenderError
+from emovid.atomic_io import cause, whole_file, whole_folder
+from emovid.errors import InputError, RenderError, reason
 from emovid.signals import held_signals
 from emovid.video.canvas import Pixels
 from emovid.video.formats import PICTURE, is_picture

@@ -11,8 +11,7 @@ from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
 from typing import NamedTuple
 
-from emovid.atomic_io import reason
-from emovid.errors import EmovidError
+from emovid.errors import EmovidError, reason
 
 _ROOM = 500_000_000  # bytes: the six videos take 13 MB, a sweep of hundreds as much for every six
 _SMALL = {"video.size": "96x64", "video.fps": 5, "duration": 1.0}

@@ -140,7 +140,7 @@ def _sheet_of_scene(source: str, asked: Moments, overrides: "Sequence[Setting]")
 def _sheet_of_film(source: str, asked: Moments, overrides: "Sequence[Setting]") -> "Entry":
     import numpy as np
 
-    from emovid.atomic_io import reason
+    from emovid.errors import reason
     from emovid.video.still import film_frames, read_film
 
     if overrides:

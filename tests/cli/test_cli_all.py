@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from typer.main import get_command
 
-from emovid.cli.main import app, main
+from emovid.cli.main import all_commands, app, main
 from emovid.scene.emotions import EMOTIONS
 from tests.helpers.terminal import on_a_terminal
 
@@ -32,7 +32,7 @@ def walk(command: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[str, Any]]:
         yield " ".join(path), command
 
 
-COMMANDS = dict(walk(get_command(app)))
+COMMANDS = dict(walk(all_commands()))
 OPTIONS = [
     (name, option)
     for name, command in COMMANDS.items()
@@ -55,6 +55,21 @@ SHORT = {
 }
 # Options that mean the same everywhere say the same everywhere.
 SHARED = ("--force", "--jobs", "--set", "--emotion")
+
+
+def test_the_list_of_commands_says_what_each_command_says() -> None:
+    listed = dict(walk(get_command(app)))
+    assert {name: command.help for name, command in listed.items()} == {
+        name: " ".join(command.help.split("\n\n")[0].split()) for name, command in COMMANDS.items()
+    }
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["study", "--help"], ["rendr"]])
+def test_the_list_of_commands_imports_none_of_them(arguments) -> None:
+    program = f"import sys; from emovid.cli.main import main; main({arguments}); print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    ours = {name for name in done.stdout.splitlines()[-1].split() if name.startswith("emovid")}
+    assert ours - {"emovid.version"} == {"emovid", "emovid.cli", "emovid.cli.main", "emovid.errors"}
 
 
 def options(command: Any) -> set[str]:
@@ -136,7 +151,7 @@ def test_exit_codes_are_documented_in_the_help_and_in_the_docs(capsys) -> None:
 
 def test_every_command_that_finds_things_is_in_the_table_of_exit_codes() -> None:
     listed = set(
-        re.findall(r"^\| `emovid ([a-z ]+?)(?: --\w+)?` \|", (DOCS / "exit-codes.md").read_text(), re.MULTILINE)
+        re.findall(r"^\| `emovid ([a-z -]+?)(?: --\w+)?` \|", (DOCS / "exit-codes.md").read_text(), re.MULTILINE)
     )
     texts = {name: command.help + "".join(o.help or "" for o in command.params) for name, command in COMMANDS.items()}
     assert listed == {name for name, text in texts.items() if "exit with 1" in " ".join(text.split())}
