@@ -87,7 +87,7 @@ def analyze(
 
 def _of_counts(counts: Path, seed: int) -> dict[str, Any]:
     from emovid.atomic_io import file_digest
-    from emovid.responses.matrix_files import read_matrix
+    from emovid.responses.results_files import read_matrix
     from emovid.statistics.analyze import analyze_counts
 
     matrix, labels, signalled = read_matrix(counts)
@@ -223,7 +223,7 @@ def compare(
     Example: emovid study compare original/results.json results/results.json
     """
     from emovid.report import apa
-    from emovid.responses.matrix_files import read_results
+    from emovid.responses.results_files import read_results
     from emovid.statistics.analyze import in_json
     from emovid.statistics.compare import aligned
     from emovid.statistics.compare import compare as run

@@ -78,8 +78,8 @@ def simulate(
     import numpy as np
 
     from emovid.atomic_io import make_folder, writing
-    from emovid.responses.matrix_files import read_matrix
     from emovid.responses.responses import EMOTIONS
+    from emovid.responses.results_files import read_matrix
     from emovid.statistics.confusion import percent
     from emovid.statistics.simulated_participants import Responders, rehearse, responders
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from emovid.csv_writer import csv_text
-from emovid.responses.matrix_files import CORNER, PERCENT
+from emovid.responses.results_files import CORNER, PERCENT
 from emovid.statistics.confusion import Counts, percent
 
 

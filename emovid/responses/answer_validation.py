@@ -6,9 +6,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from emovid.csv_reader import Rejected
 from emovid.responses.dialects.parsed_export import Known
 from emovid.responses.key import code_of
-from emovid.responses.responses import EMOTIONS, Rejected
+from emovid.responses.responses import EMOTIONS
 
 _ABOUT_VIDEOS = ("no video", "unknown video")
 COLUMNS = ["participant", "video", "signalled", "perceived", "position"]

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from emovid.csv_reader import Table
 from emovid.errors import SourceError, quoted
 from emovid.responses.dialects.columns import answer_column, column, holds_answers, video_column
 from emovid.responses.dialects.identity import likely_participant
@@ -14,7 +15,6 @@ from emovid.responses.dialects.videos import code_in
 from emovid.responses.labels import number
 from emovid.responses.mapping import map_text
 from emovid.responses.read import files_in, known_from, open_table
-from emovid.responses.tables import Table
 
 _EXAMPLES = 3
 _MOST_CODES = 12

@@ -3,9 +3,9 @@
 import re
 from pathlib import Path
 
-from emovid.errors import SourceError, nearest, quoted, reason
+from emovid.csv_reader import Table, read_bytes, read_table
+from emovid.errors import SourceError, nearest, quoted
 from emovid.responses.labels import NONE, Labels
-from emovid.responses.tables import Table, read_table
 
 _CODE = ("video_code", "code", "video")
 _EMOTION = ("true_emotion", "emotion", "signalled")
@@ -38,19 +38,6 @@ def read_key(path: Path, labels: Labels) -> dict[str, str]:
     if not key:
         raise SourceError(str(path), "a header alone; expected a row for each video")
     return key
-
-
-def read_bytes(path: Path) -> bytes:
-    """Return the bytes of a file.
-
-    Raises:
-        SourceError: if it cannot be read.
-    """
-    try:
-        return path.read_bytes()
-    except (OSError, ValueError) as error:
-        why = reason(error) if isinstance(error, OSError) else str(error)
-        raise SourceError(str(path), f"cannot be read: {why}") from None
 
 
 def code_of(text: str) -> str:

@@ -8,9 +8,9 @@ from typing import Any
 
 import yaml
 
+from emovid.csv_reader import read_bytes, utf8
 from emovid.errors import SourceError, nearest, quoted
-from emovid.responses.key import code_of, read_bytes
-from emovid.responses.tables import utf8
+from emovid.responses.key import code_of
 from emovid.yaml_source import read_yaml
 
 KEYS = ("participant", "video", "response", "videos", "answers", "groups", "drop", "labels")

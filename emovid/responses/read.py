@@ -8,17 +8,17 @@ from pathlib import Path
 
 import pandas as pd
 
+from emovid.csv_reader import Rejected, Table, read_bytes, read_table, utf8
 from emovid.errors import SourceError, nearest, quoted, reason
 from emovid.responses.answer_validation import COLUMNS, settle
 from emovid.responses.dialects.jspsych import json_table
 from emovid.responses.dialects.parsed_export import Known, Raw, no_answers
 from emovid.responses.dialects.registry import dialect_of
-from emovid.responses.key import read_bytes, read_key
+from emovid.responses.key import read_key
 from emovid.responses.labels import NONE, Labels, plain
 from emovid.responses.mapping import Mapping, read_mapping
-from emovid.responses.responses import EMOTIONS, Rejected, Responses, Source
-from emovid.responses.results_folder import is_of_analysis, is_results
-from emovid.responses.tables import Table, read_table, utf8
+from emovid.responses.responses import EMOTIONS, Responses, Source
+from emovid.responses.results_files import is_of_analysis, is_results
 
 
 @dataclass(frozen=True, eq=False)

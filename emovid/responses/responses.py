@@ -6,27 +6,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from emovid.csv_reader import Rejected
+
 # The order of the rows and columns of the paper's Table III.
 EMOTIONS = ("happiness", "surprise", "anger", "fear", "disgust", "sadness")
-
-
-@dataclass(frozen=True)
-class Rejected:
-    """A row or a cell that could not be used.
-
-    Attributes:
-        file: it stands in.
-        row: its line in the file, counted from 1, the header included.
-        cell: the column's name, or "" where the whole row is meant.
-        value: what stands there.
-        reason: why it cannot be used, in a few words.
-    """
-
-    file: str
-    row: int
-    cell: str
-    value: str
-    reason: str
 
 
 @dataclass(frozen=True)

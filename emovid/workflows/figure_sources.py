@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 def study_results(source: Path | None) -> Any:
     """Return the results of a study: those in a file or folder, or an analysis of the reference study."""
     from emovid.figures.study import recognition_of
-    from emovid.responses.matrix_files import read_results
     from emovid.responses.read import read_responses
+    from emovid.responses.results_files import read_results
     from emovid.scene.resources import STUDIES
     from emovid.statistics.analyze import analyze, analyze_counts
 

@@ -11,8 +11,8 @@ from emovid.errors import SourceError
 from emovid.report.matrix_tables import matrix_csv, matrix_latex, matrix_markdown
 from emovid.report.outputs import result_files, tidy_csv
 from emovid.report.report import report_html
-from emovid.responses.matrix_files import read_matrix, read_results
 from emovid.responses.responses import EMOTIONS, Rejected, Responses
+from emovid.responses.results_files import read_matrix, read_results
 from emovid.statistics.analyze import analyze, analyze_counts
 from tests.helpers.known import TABLE_III
 from tests.statistics.test_analyze import responses
@@ -71,16 +71,17 @@ def test_the_matrix_of_an_analysis_comes_back_from_its_results(tmp_path) -> None
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("[" * 100_000, "no results; expected the results.json of emovid study analyze"),
-        ("[1]", "no results; expected the results.json of emovid study analyze"),
-        ("\ud800".encode("utf-16", "surrogatepass"), "no results; expected the results.json of emovid study analyze"),
-        (RESULTS | {"counts": [[3, 1, 1, 2, 0, 1]]}, "no results; expected the results.json of emovid study analyze"),
-        (RESULTS | {"counts": [[3], [1, 2], [0]]}, "no results; expected the results.json of emovid study analyze"),
+        ("[" * 100_000, "not results; expected the results.json of emovid study analyze"),
+        ("[1]", "not results; expected the results.json of emovid study analyze"),
+        ("\ud800".encode("utf-16", "surrogatepass"), "not results; expected the results.json of emovid study analyze"),
+        (RESULTS | {"counts": [[3, 1, 1, 2, 0, 1]]}, "not results; expected the results.json of emovid study analyze"),
+        (RESULTS | {"counts": [[3], [1, 2], [0]]}, "not results; expected the results.json of emovid study analyze"),
         (RESULTS | {"labels": ["anger", "fear", "none"]},
-         "no results; expected the results.json of emovid study analyze"),
+         "not results; expected the results.json of emovid study analyze"),
         (RESULTS | {"labels": ["fear", "anger", "fear"]},
-         "no results; expected the results.json of emovid study analyze"),
-        ({"counts": [], "labels": [], "emotions": []}, "no results; expected the results.json of emovid study analyze"),
+         "not results; expected the results.json of emovid study analyze"),
+        ({"counts": [], "labels": [], "emotions": []},
+         "not results; expected the results.json of emovid study analyze"),
         (RESULTS | {"counts": [[3, -1], [1, 2], [0, 1]]}, "'-1'; expected a count, a whole number below ten million"),
         (RESULTS | {"counts": [[3, 1.5], [1, 2], [0, 1]]}, "'1.5'; expected a count, a whole number below ten million"),
         (RESULTS | {"counts": [[3, 10**30], [1, 2], [0, 1]]},
@@ -111,11 +112,11 @@ def test_a_matrix_may_have_an_extra_row(tmp_path) -> None:
     [
         ("", "m.csv: empty; expected a header and rows"),
         ("perceived,fear,anger\nfear,1,2\n",
-         "m.csv:1: not a confusion matrix; expected the heading perceived,happiness,... and a row a label"),
+         "m.csv:1: not a confusion matrix; expected the heading perceived,happiness,... and one row for each label"),
         ("fear,perceived,anger\nfear,1,2\nanger,1,2\n",
-         "m.csv:1: not a confusion matrix; expected the heading perceived,happiness,... and a row a label"),
+         "m.csv:1: not a confusion matrix; expected the heading perceived,happiness,... and one row for each label"),
         ("perceived\nfear\nanger\n",
-         "m.csv:1: not a confusion matrix; expected the heading perceived,happiness,... and a row a label"),
+         "m.csv:1: not a confusion matrix; expected the heading perceived,happiness,... and one row for each label"),
         ("perceived,fear,anger\nfear,1,2\nangr,3,4\n", "m.csv:1: anger: no row has this label (did you mean angr?)"),
         ("perceived,fear,anger\n\nfear,1,x\nanger,3,4\n",
          "m.csv:3: 'x'; expected a count, a whole number below ten million"),
@@ -125,8 +126,8 @@ def test_a_matrix_may_have_an_extra_row(tmp_path) -> None:
         ("perceived,fear,anger\nfear,10000000,2\nanger,3,4\n",
          "m.csv:2: '10000000'; expected a count, a whole number below ten million"),
         ("perceived,fear,anger\nfear,1,2\nanger,3,4\nFear,5,6\n",
-         "m.csv:4: fear: stands twice; expected each label once"),
-        ("perceived,fear,fear\nfear,1,2\nanger,3,4\n", "m.csv:1: fear: stands twice; expected each label once"),
+         "m.csv:4: fear: given twice; expected each label once"),
+        ("perceived,fear,fear\nfear,1,2\nanger,3,4\n", "m.csv:1: fear: given twice; expected each label once"),
         ("perceived,fear,anger\nfear,1,2\nanger,3,4\n,5,6\n",
          "m.csv:4: a row without a label; expected each label once"),
     ],

@@ -423,7 +423,7 @@ def test_a_question_about_an_emotion_is_no_video_of_it(read) -> None:
 def test_an_error_is_the_same_after_another_process_raised_it() -> None:
     error = SourceError("x.csv", "empty; expected rows", 3, "video")
     again = pickle.loads(pickle.dumps(error))  # noqa: S301 - our own bytes
-    assert (str(again), again.file, again.row, again.cell) == (str(error), "x.csv", 3, "video")
+    assert (str(again), again.where, again.line, again.key) == (str(error), "x.csv", 3, "video")
 
 
 def test_a_folder_that_cannot_be_read_is_one_line(tmp_path, monkeypatch) -> None:

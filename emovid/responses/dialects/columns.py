@@ -4,10 +4,10 @@ from collections.abc import Callable, Collection, Sequence
 
 import pandas as pd
 
+from emovid.csv_reader import Table
 from emovid.errors import SourceError, nearest
 from emovid.responses.dialects.parsed_export import Column, Known, numeric
 from emovid.responses.labels import plain
-from emovid.responses.tables import Table
 
 VIDEO = ("video", "video_code", "video code", "stimulus", "stimulus_id", "video_id", "video_file", "clip", "movie")
 ANSWER = ("response", "answer", "perceived", "perceived_emotion", "choice", "emotion", "selected", "rating", "label")

@@ -1,9 +1,9 @@
 """formr: a row for each session, choices as numbers."""
 
+from emovid.csv_reader import Table
 from emovid.responses.dialects.columns import column
 from emovid.responses.dialects.generic import read_wide
 from emovid.responses.dialects.parsed_export import Known, Raw
-from emovid.responses.tables import Table
 
 _TOOL = ("session", "session_id", "study_id", "created", "modified", "ended", "expired", "iteration")
 

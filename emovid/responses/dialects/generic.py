@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
+from emovid.csv_reader import Table
 from emovid.errors import SourceError
 from emovid.responses.dialects.columns import (
     POSITION,
@@ -21,7 +22,6 @@ from emovid.responses.dialects.people import PARTICIPANT, groups_of, who, withou
 from emovid.responses.dialects.videos import about_videos, no_videos, positions, video_columns
 from emovid.responses.key import code_of
 from emovid.responses.labels import plain
-from emovid.responses.tables import Table
 
 _LEFT_OUT = {
     "test run": ("test", "pilot", "debug"),

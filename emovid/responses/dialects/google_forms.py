@@ -1,9 +1,9 @@
 """Google Forms: through Sheets (cells in quotes where needed) or as a downloaded CSV (all in quotes)."""
 
+from emovid.csv_reader import Table
 from emovid.responses.dialects.generic import read_wide
 from emovid.responses.dialects.parsed_export import Known, Raw
 from emovid.responses.labels import plain
-from emovid.responses.tables import Table
 
 # "Timestamp" in the languages of most forms.
 _FIRST = ("timestamp", "zeitstempel", "horodateur", "marca temporal", "carimbo de data hora", "tijdstempel")

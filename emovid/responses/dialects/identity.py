@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from emovid.csv_reader import Table
 from emovid.errors import SourceError, quoted
 from emovid.responses.dialects.columns import POSITION, TRUTH, column
 from emovid.responses.dialects.parsed_export import Column, Known
@@ -13,7 +14,6 @@ from emovid.responses.dialects.people import NUMBERS, PARTICIPANT, TRAITS, Peopl
 from emovid.responses.key import code_of
 from emovid.responses.labels import plain
 from emovid.responses.mapping import EACH_ROW
-from emovid.responses.tables import Table
 
 # Words of columns that are measured and name nobody.
 _MEASURED_WORDS = (

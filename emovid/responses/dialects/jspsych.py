@@ -6,12 +6,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from emovid.csv_reader import Table, table_of, utf8
 from emovid.errors import SourceError
 from emovid.responses.dialects.columns import says
 from emovid.responses.dialects.parsed_export import Column, Known, Raw
 from emovid.responses.dialects.people import PARTICIPANT, groups_of_pairs, joined, who
 from emovid.responses.dialects.trials import emptied, read_trials, translated, with_column
-from emovid.responses.tables import Table, table_of, utf8
 
 _VIDEO_TRIALS = ("video button response", "video keyboard response")
 _TOOL = (

@@ -1,10 +1,10 @@
 """lab.js: a row for each screen and each loop around it."""
 
+from emovid.csv_reader import Table
 from emovid.responses.dialects.columns import column
 from emovid.responses.dialects.parsed_export import Column, Known, Raw
 from emovid.responses.dialects.people import PARTICIPANT
 from emovid.responses.dialects.trials import read_trials
-from emovid.responses.tables import Table
 
 _TOOL = ("sender", "sender_type", "sender_id", "meta", "ended_on", "duration", "correct", "correctResponse", "url")
 

@@ -3,11 +3,11 @@
 import re
 from dataclasses import replace
 
+from emovid.csv_reader import Table
 from emovid.responses.dialects.columns import column
 from emovid.responses.dialects.generic import read_wide
 from emovid.responses.dialects.parsed_export import Known, Raw
 from emovid.responses.labels import plain
-from emovid.responses.tables import Table
 
 _TOOL = (
     ("id", "response id"),

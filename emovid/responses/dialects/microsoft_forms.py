@@ -1,9 +1,9 @@
 """Microsoft Forms: an Excel sheet saved as CSV. A question asked again has a number after it."""
 
+from emovid.csv_reader import Table
 from emovid.responses.dialects.generic import read_wide
 from emovid.responses.dialects.parsed_export import Known, Raw
 from emovid.responses.labels import plain
-from emovid.responses.tables import Table
 
 _END = ("completion time", "fertigstellungszeit", "heure de fin", "hora de finalización")
 _TOOL = ("ID", "Start time", "Completion time", "Email", "Name", "Last modified time", "Startzeit", "E-Mail")

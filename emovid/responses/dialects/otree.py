@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
+from emovid.csv_reader import Table
 from emovid.responses.dialects.columns import below, column, says, video_column
 from emovid.responses.dialects.generic import read_wide
 from emovid.responses.dialects.parsed_export import Column, Known, Raw, numeric
 from emovid.responses.dialects.people import groups_of, joined, who
 from emovid.responses.dialects.trials import read_trials
 from emovid.responses.dialects.videos import video_columns
-from emovid.responses.tables import Table
 
 _CODE = "participant.code"
 _ROUND = "subsession.round_number"

@@ -1,8 +1,8 @@
 """The export of our own survey: `emovid study responses` writes it, and its columns are known by name."""
 
+from emovid.csv_reader import Table
 from emovid.responses.dialects.generic import is_mapped_wide, read_long
 from emovid.responses.dialects.parsed_export import Known, Raw
-from emovid.responses.tables import Table
 
 FIRST = ("participant", "video", "position", "response")
 # What is recorded of answers and sessions, and tells participants in no groups.

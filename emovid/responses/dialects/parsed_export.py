@@ -9,11 +9,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from emovid.csv_reader import Rejected, Table
 from emovid.responses.key import code_of
 from emovid.responses.labels import NONE, Labels, number, plain
 from emovid.responses.mapping import Mapping
-from emovid.responses.responses import Rejected
-from emovid.responses.tables import Table
 
 Column: TypeAlias = pd.Series  # of text
 ANSWER_TO = "answer to "  # the role of a video's column, before its code

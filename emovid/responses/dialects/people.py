@@ -7,12 +7,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from emovid.csv_reader import Table
 from emovid.errors import SourceError
 from emovid.responses.dialects.columns import column, named
 from emovid.responses.dialects.parsed_export import Column, Known
 from emovid.responses.labels import number, plain
 from emovid.responses.mapping import EACH_ROW
-from emovid.responses.tables import Table
 
 # What surveys call a person, and what may follow it: the likelier first.
 _PERSONS = (

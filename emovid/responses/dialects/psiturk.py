@@ -6,12 +6,11 @@ from collections import Counter
 from dataclasses import replace
 from typing import Any
 
+from emovid.csv_reader import Rejected, Table, table_of
 from emovid.errors import SourceError
 from emovid.responses.dialects.parsed_export import Known, Raw, no_answers
 from emovid.responses.dialects.people import groups_of_pairs
 from emovid.responses.dialects.trials import read_trials
-from emovid.responses.responses import Rejected
-from emovid.responses.tables import Table, table_of
 
 _ID = re.compile(r"[^\s:]+:[^\s:]+")
 

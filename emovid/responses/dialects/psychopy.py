@@ -1,8 +1,8 @@
 """PsychoPy and its online twin Pavlovia: a row for each trial, one file for each participant."""
 
+from emovid.csv_reader import Table
 from emovid.responses.dialects.parsed_export import Known, Raw
 from emovid.responses.dialects.trials import emptied, read_trials
-from emovid.responses.tables import Table
 
 _VIDEOS = ("video_code", "video", "videoFile", "video_file", "movieFile", "movie", "stimFile", "stimulus")
 _TOOL = ("date", "expName", "expStart", "psychopyVersion", "frameRate", "session", "OS", "notes", "expVersion")

@@ -3,10 +3,10 @@
 import re
 from dataclasses import replace
 
+from emovid.csv_reader import Table
 from emovid.responses.dialects.parsed_export import Known, Raw
 from emovid.responses.dialects.people import PARTICIPANT
 from emovid.responses.dialects.trials import read_trials
-from emovid.responses.tables import Table
 
 _VIDEO = "responses_stimulus"
 _GROUP = "questionnaire_"

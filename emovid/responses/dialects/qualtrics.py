@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import pandas as pd
 
+from emovid.csv_reader import Table
 from emovid.errors import SourceError
 from emovid.responses.dialects.columns import below, says
 from emovid.responses.dialects.generic import read_wide
 from emovid.responses.dialects.parsed_export import Column, Known, Raw, whole_numbers
 from emovid.responses.dialects.videos import code_in, video_columns
 from emovid.responses.key import code_of
-from emovid.responses.tables import Table
 
 _TOOL = (
     "StartDate",

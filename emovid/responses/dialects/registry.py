@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
+from emovid.csv_reader import Table
 from emovid.errors import SourceError, quoted
 from emovid.responses.dialects import (
     formr,
@@ -24,7 +25,6 @@ from emovid.responses.dialects import (
 from emovid.responses.dialects.columns import check_named, holds_answers, holds_videos, video_column
 from emovid.responses.dialects.parsed_export import Known, Raw
 from emovid.responses.dialects.videos import no_videos
-from emovid.responses.tables import Table
 
 
 class Dialect(NamedTuple):

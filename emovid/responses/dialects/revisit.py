@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 
+from emovid.csv_reader import Table
 from emovid.responses.dialects.columns import says
 from emovid.responses.dialects.generic import stated_codes
 from emovid.responses.dialects.parsed_export import Column, Known, Raw
 from emovid.responses.dialects.people import groups_of_pairs, joined
 from emovid.responses.dialects.trials import read_trials
-from emovid.responses.tables import Table
 
 _TOOL = ("status", "rejectReason", "rejectTime", "configHash", "responseId", "trialId", "trialOrder", "answer")
 

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import pandas as pd
 
+from emovid.csv_reader import Table
 from emovid.errors import SourceError
 from emovid.responses.dialects.generic import read_wide
 from emovid.responses.dialects.parsed_export import Column, Known, Raw
 from emovid.responses.labels import plain
-from emovid.responses.tables import Table
 
 _TOOL = (
     "Respondent ID",

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pandas as pd
 
+from emovid.csv_reader import Table
 from emovid.errors import SourceError
 from emovid.responses.dialects.columns import answer_column, check_named, column, video_column
 from emovid.responses.dialects.generic import left_out
 from emovid.responses.dialects.parsed_export import Column, Known, Raw, answers_long, ranks
 from emovid.responses.dialects.people import PARTICIPANT, groups_of, who, without
-from emovid.responses.tables import Table
 
 Pick = Callable[[Table, int, Column], Column]
 

@@ -3,12 +3,12 @@
 import re
 from collections.abc import Sequence
 
+from emovid.csv_reader import Table
 from emovid.errors import SourceError, quoted
 from emovid.responses.dialects.columns import holds_answers, named, share
 from emovid.responses.dialects.parsed_export import Column, Known, whole_numbers
 from emovid.responses.key import code_of
 from emovid.responses.labels import number, plain
-from emovid.responses.tables import Table
 
 # Words of columns that stand beside an answer and are none.
 _BESIDE = re.compile(

@@ -1,4 +1,4 @@
-"""Reading a confusion matrix from a file: a table, or the results of an analysis."""
+"""Files that an analysis wrote: reading their confusion matrix, and recognizing them among exports."""
 
 import json
 import re
@@ -8,32 +8,34 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from emovid.csv_reader import read_bytes, read_table
 from emovid.errors import SourceError, nearest, quoted
-from emovid.responses.key import read_bytes
-from emovid.responses.tables import read_table
 
 Counts = NDArray[np.int64]
 
 CORNER = "perceived"  # heading of the column of labels
 PERCENT = "_percent"  # ending of the headings of percentages
-_MOST_DIGITS = 7  # of a count: far beyond any study, and products of sums of such counts are exact
+_MOST_DIGITS = 7  # of a count: more than any study needs, and few enough for exact products of sums of counts
+TIDY = ("participant", "video", "signalled", "perceived", "position")  # the first columns of responses_tidy.csv
+_TABLES = ("results.json", "confusion_matrix.csv", "tests.csv", "rejected.csv", "responses_tidy.csv")
+_PRINTED = (".html", ".pdf", ".png", ".md", ".tex")
 
 
 def read_matrix(path: Path) -> tuple[Counts, tuple[str, ...], tuple[str, ...]]:
-    """Return the counts, the perceived labels and the signalled ones of a file laid out as `matrix_csv` writes it.
+    """Return the counts, the perceived labels and the signalled labels of a file in the layout of `matrix_csv`.
 
-    The file's rows may stand in any order. Those of the signalled labels are returned first, in the order of the
-    columns, as everywhere in this room: the right answer to column j stands in row j.
+    The rows of the file can be in any order. The rows of the signalled labels are returned first, in the order of the
+    columns, so that the right answer to column j is in row j.
 
     Raises:
-        SourceError: for a file that is none, with the line and the cell.
+        SourceError: for a file without such a matrix, with the line and the cell.
     """
     table = read_table(read_bytes(path), str(path))
     places = [i for i, name in enumerate(table.names) if i and not name.endswith(PERCENT)]
     if table.rejected:
         raise SourceError(str(path), table.rejected[0].reason, table.rejected[0].row)
     if table.names[0].lower() != CORNER or not places or len(table.lines) < 2:
-        message = f"not a confusion matrix; expected the heading {CORNER},happiness,... and a row a label"
+        message = f"not a confusion matrix; expected the heading {CORNER},happiness,... and one row for each label"
         raise SourceError(str(path), message, 1)
     signalled = _different(path, [1] * len(places), [table.names[i] for i in places])
     found = _different(path, table.lines.tolist(), list(table.cells[0]))
@@ -49,7 +51,7 @@ def read_matrix(path: Path) -> tuple[Counts, tuple[str, ...], tuple[str, ...]]:
 
 
 def read_results(path: Path) -> tuple[Counts, tuple[str, ...], tuple[str, ...]]:
-    """Return the matrix of an analysis: of its folder, its results.json, or its confusion_matrix.csv.
+    """Return the matrix of an analysis from its folder, its results.json, or its confusion_matrix.csv.
 
     Raises:
         SourceError: as `read_matrix`.
@@ -62,20 +64,20 @@ def read_results(path: Path) -> tuple[Counts, tuple[str, ...], tuple[str, ...]]:
         counts = [[_count(file, 0, str(cell)) for cell in row] for row in found["counts"]]
         labels, signalled = tuple(map(str, found["labels"])), tuple(map(str, found["emotions"]))
         matrix = np.array(counts, dtype=np.int64)
-        rightly_placed = labels[: len(signalled)] == signalled and len(set(labels)) == len(labels)
-        if not matrix.size or matrix.shape != (len(labels), len(signalled)) or not rightly_placed:
+        is_ordered = labels[: len(signalled)] == signalled and len(set(labels)) == len(labels)
+        if not matrix.size or matrix.shape != (len(labels), len(signalled)) or not is_ordered:
             raise ValueError
     except (ValueError, KeyError, TypeError, RecursionError):
-        raise SourceError(str(file), "no results; expected the results.json of emovid study analyze") from None
+        raise SourceError(str(file), "not results; expected the results.json of emovid study analyze") from None
     return matrix, labels, signalled
 
 
 def _different(path: Path, lines: Sequence[int], names: Sequence[str]) -> tuple[str, ...]:
-    """Return labels in lower case, of which no two are the same."""
+    """Return labels in lower case. Raises SourceError if one is empty or repeated."""
     labels = [name.lower() for name in names]
     for i, (line, label) in enumerate(zip(lines, labels, strict=True)):
         if not label or label in labels[:i]:
-            message = "stands twice" if label else "a row without a label"
+            message = "given twice" if label else "a row without a label"
             raise SourceError(str(path), f"{message}; expected each label once", line, label)
     return tuple(labels)
 
@@ -84,3 +86,34 @@ def _count(path: Path, line: int, cell: str) -> int:
     if not re.fullmatch(rf"[0-9]{{1,{_MOST_DIGITS}}}", cell):
         raise SourceError(str(path), f"{quoted(cell)}; expected a count, a whole number below ten million", line)
     return int(cell)
+
+
+def is_results(file: Path) -> bool:
+    """Return whether a file is the results.json of an analysis. Raises OSError if it cannot be read."""
+    try:
+        found = json.loads(file.read_bytes())
+    except (ValueError, RecursionError):
+        return False
+    return isinstance(found, dict) and {"counts", "labels", "emotions", "recognition"} <= set(found)
+
+
+def is_of_analysis(file: Path, among_results: bool) -> bool:
+    """Return whether an analysis wrote a file.
+
+    Args:
+        file: its path.
+        among_results: whether a results.json is beside it; then the name of the file decides. Elsewhere, only a table
+            of tidy answers is recognized.
+
+    Raises:
+        OSError: if the file cannot be read.
+    """
+    if among_results and (file.name in _TABLES or file.suffix in _PRINTED):
+        return True
+    return file.suffix.lower() == ".csv" and _is_tidy(file)
+
+
+def _is_tidy(file: Path) -> bool:
+    with file.open("rb") as data:
+        header = data.readline(10_000).decode("utf-8-sig", errors="replace").strip()
+    return header.startswith(",".join(TIDY)) and header.endswith(",correct")

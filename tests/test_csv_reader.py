@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from emovid.csv_reader import read_table
 from emovid.errors import SourceError
-from emovid.responses.tables import read_table
 
 ROWS = [["näme", "b"], ["Zoë", "x, y"], ["2", 'say "hi"']]
 
@@ -95,10 +95,10 @@ def test_a_quote_that_never_closes_costs_its_row_alone() -> None:
     [
         (b"", "f.csv: empty; expected a header and rows"),
         (b"\xef\xbb\xbf \n\n", "f.csv: empty; expected a header and rows"),
-        (b"sep=;\n", "f.csv: empty but for delimiters; expected a header and rows"),
-        (b',,\n"",\n', "f.csv: empty but for delimiters; expected a header and rows"),
+        (b"sep=;\n", "f.csv: empty except for delimiters; expected a header and rows"),
+        (b',,\n"",\n', "f.csv: empty except for delimiters; expected a header and rows"),
         (b"PK\x03\x04rest", "f.csv: a spreadsheet or a zip archive; expected text: save or export it as CSV"),
-        (b"a,b\n\0\1\2,3\n", "f.csv: no text; expected CSV"),
+        (b"a,b\n\0\1\2,3\n", "f.csv: not text; expected CSV"),
     ],
 )
 def test_what_is_no_table_is_refused(data, message) -> None:
@@ -147,3 +147,13 @@ def test_a_hundred_thousand_rows_are_read(stray) -> None:
 def test_a_stray_quote_in_every_row_is_no_reason_to_read_on_and_on() -> None:
     table = read_table(b"a,b\n" + b'"x,"y\n' * 30_000, "f.csv")  # hours, if each looked for its end
     assert table.cells.to_numpy().tolist() == 30_000 * [['"x', '"y']]
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_a_carriage_return_within_a_cell_ends_no_row(end) -> None:
+    rows = ["a,b", '1,"two\rlines"', "2,bare\rreturn", "3,4", ""]
+    assert cells(end.join(rows).encode()) == [["a", "b"], ["1", "two lines"], ["2", "bare return"], ["3", "4"]]
+
+
+def test_carriage_returns_alone_end_rows() -> None:
+    assert cells(b'a,"b\nc"\r1,2\r3,4\r') == [["a", "b c"], ["1", "2"], ["3", "4"]]
