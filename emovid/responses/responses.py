@@ -1,6 +1,7 @@
-"""What a survey leaves behind, whatever tool it ran on: one answer for each participant and video."""
+"""Answers of a study: one for each participant and video, whatever tool collected them."""
 
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 import pandas as pd
@@ -18,10 +19,10 @@ class Source:
 
     Attributes:
         file: its name as given.
-        dialect: what it was recognised as, in words ("Google Forms", "long table").
-        sha256: of its bytes.
-        participants: kept from it.
-        note: what has to be known of who they are, or "".
+        dialect: the format it was recognized as, in words ("Google Forms", "long table").
+        sha256: digest of its bytes.
+        participants: number of participants whose answers are used.
+        note: how participants were told apart, where no column names them; or "".
     """
 
     file: str
@@ -31,21 +32,47 @@ class Source:
     note: str = ""
 
 
+@dataclass(frozen=True)
+class Synonym:
+    """A text that counts as a label although it is not the label itself, such as "joy" for happiness.
+
+    Attributes:
+        text: as in the files.
+        label: that it counts as.
+        count: number of answers.
+        by_map: whether the map declares it.
+    """
+
+    text: str
+    label: str
+    count: int
+    by_map: bool = False
+
+
+Repeats = Literal["first", "last", "all"]
+
+
 @dataclass(frozen=True, eq=False)
 class Responses:
     """The answers of a study.
 
     Attributes:
-        signalled: the labels that videos stand for, in the order of the tables' columns.
-        labels: the answers that participants may give, in the order of the tables' rows: `signalled`, after them those
-            that no video stands for, and last "none" if the survey had "none of these".
-        answers: one row for each participant and video, with the columns `participant`, `video`, `signalled`,
-            `perceived` (all text) and `position` (Int64, counted from 1; missing where the order is not known).
+        signalled: labels that videos stand for, in the order of the columns of tables.
+        labels: answers that participants can give, in the order of the rows of tables: `signalled`, then labels that no
+            video stands for, and last "none" if the survey offers "none of these".
+        answers: one row for each answer, with the columns `participant`, `video`, `signalled`, `perceived` (text) and
+            `position` (Int64, counted from 1; missing where the order is unknown).
         participants: indexed by participant, one text column for each group (gender, robotics_background, age, ...).
         sources: the files.
-        rejected: rows and cells that were not used.
-        dropped: participants left out as a whole, by reason ("preview", "partial", "bot", "test run", ...); 0 for
-            a value of the map that nobody has.
+        rejected: rows and cells that could not be used.
+        dropped: number of participants left out, by reason ("preview", "partial", "bot", "test run", ...); 0 for a
+            value of the map that nobody has.
+        left_out: number of rows left out of the answers of participants who stay, by reason ("practice", ...).
+        synonyms: texts that count as a label that they do not spell.
+        repeats: which of several answers of a participant to one video count, as the map says; None without a map.
+            With "all", the answers of a participant are clustered.
+        simulated: whether model participants gave any of the answers.
+        warnings: sentences that every reader of the results must see.
     """
 
     signalled: tuple[str, ...]
@@ -55,9 +82,14 @@ class Responses:
     sources: tuple[Source, ...] = ()
     rejected: tuple[Rejected, ...] = ()
     dropped: dict[str, int] = field(default_factory=dict)
+    left_out: dict[str, int] = field(default_factory=dict)
+    synonyms: tuple[Synonym, ...] = ()
+    repeats: Repeats | None = None
+    simulated: bool = False
+    warnings: tuple[str, ...] = ()
 
     def notes(self) -> list[str]:
-        """Return what has to be known of who the participants are, files of one note in one line."""
+        """Return the notes of the sources; files that share a note share a line."""
         files: dict[str, list[str]] = {}
         for source in self.sources:
             files.setdefault(source.note, []).append(source.file)
@@ -65,9 +97,9 @@ class Responses:
         return [f"{names[0]}{more[note]}: {note}" for note, names in files.items() if note]
 
     def choices(self) -> NDArray[np.int64]:
-        """Return the answers (participants, signalled) as places in `labels`, -1 where one is missing.
+        """Return the answers (participants, signalled) as indices into `labels`, -1 where one is missing.
 
-        Rows are in the order of `participants`. A participant who saw several videos of one emotion has the first here.
+        Rows are in the order of `participants`. Of several videos of one emotion, a participant's first counts.
         """
         first = self._first_answers()
         return self._by_emotion(first, pd.Index(self.labels).get_indexer(first["perceived"]))
@@ -81,7 +113,7 @@ class Responses:
         return self.answers.drop_duplicates(["participant", "signalled"])
 
     def _by_emotion(self, answers: pd.DataFrame, values: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return one value for each of the answers as a table (participants, signalled), -1 elsewhere."""
+        """Return one value for each answer as a table (participants, signalled), -1 elsewhere."""
         table = np.full((len(self.participants), len(self.signalled)), -1, dtype=np.int64)
         rows = self.participants.index.get_indexer(answers["participant"])
         table[rows, pd.Index(self.signalled).get_indexer(answers["signalled"])] = values
