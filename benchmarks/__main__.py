@@ -17,7 +17,7 @@ from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 
-from emovid.video.encode import ffmpeg_version
+from emovid.video import ffmpeg
 
 HERE = Path(__file__).parent
 RESULTS = HERE / "RESULTS.md"
@@ -44,7 +44,7 @@ def machine() -> str:
         model = found[1]
     packages = " ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "matplotlib", "pandas"))
     python = f"Python {platform.python_version()}"
-    return f"{model}, {os.cpu_count()} cores, {platform.system()}; {python}, {packages}, ffmpeg {ffmpeg_version()}"
+    return f"{model}, {os.cpu_count()} cores, {platform.system()}; {python}, {packages}, ffmpeg {ffmpeg.version()}"
 
 
 def measured(name: str) -> tuple[str, bool]:

@@ -19,9 +19,10 @@ from processes import cost
 
 from emovid.scene.load import load_scene
 from emovid.swarm.simulate import simulate
-from emovid.video.encode import ffmpeg
-from emovid.video.render import frames, video_arguments
-from emovid.video.yuv import Yuv420
+from emovid.video import ffmpeg
+from emovid.video.encoder import video_arguments
+from emovid.video.pixel_formats import Yuv420
+from emovid.video.render import frames
 
 CPU_LIMIT, WALL_LIMIT = 8.0, 12.0
 
@@ -39,7 +40,8 @@ from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.transforms import Affine2D
 
 from emovid import load_scene, simulate
-from emovid.video.robot_outlines import robot_parts, robot_rim, trailed_robots
+from emovid.video.robots import robot_parts, robot_rim
+from emovid.video.trails import trailed_robots
 
 scene = load_scene("anger")
 run, colours, video = simulate(scene), scene.video.palette, scene.video
@@ -146,7 +148,7 @@ def encoding_alone(rounds: int, folder: Path) -> float:
     run = simulate(load_scene("anger"))
     video = run.scene.video
     whole = [(0, video.height, 0, video.width)]
-    command = [ffmpeg(), *video_arguments(video), "alone.mp4"]
+    command = [ffmpeg.executable(), *video_arguments(video), "alone.mp4"]
     times = []
     for _ in range(rounds):
         convert = Yuv420(video.width, video.height).convert
@@ -175,7 +177,9 @@ def main() -> None:
         folder = Path(name)
         animation = [sys.executable, "-c", ANIMATION, "theirs.mp4"]
         ours = render("-o", "ours.mp4")
-        row, whole = compare("FuncAnimation.save", ours, [*animation, ffmpeg()], "cpu", CPU_LIMIT, rounds, folder)
+        row, whole = compare(
+            "FuncAnimation.save", ours, [*animation, ffmpeg.executable()], "cpu", CPU_LIMIT, rounds, folder
+        )
         print(row, flush=True)
         ours = [sys.executable, "-c", DRAWING]
         row, _ = compare("the same, not encoded", ours, [*animation, "none"], "cpu", CPU_LIMIT, rounds, folder)

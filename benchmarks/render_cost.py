@@ -24,8 +24,9 @@ from processes import ENVIRONMENT, Cost, cost
 from emovid.scene.load import Setting, load_scene
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
-from emovid.video.encode import ffmpeg
-from emovid.video.render import frames, frames_checksum, render_video, video_arguments
+from emovid.video import ffmpeg
+from emovid.video.encoder import video_arguments
+from emovid.video.render import frames, frames_checksum, render_video
 
 VIDEOS = (("1280x720", 30), ("1920x1080", 60))
 ROBOTS = (15, 150, 1500, 10_000)
@@ -51,7 +52,7 @@ def ffmpeg_alone(run: Trajectory, folder: Path) -> float:
     arguments[arguments.index("yuv420p")] = "rgba"
     filters = arguments.index("-vf") + 1
     arguments[filters] = CONVERSION + arguments[filters]
-    return cost([ffmpeg(), *arguments, "alone.mp4"], folder, (frame.data for frame in frames(run))).cpu
+    return cost([ffmpeg.executable(), *arguments, "alone.mp4"], folder, (frame.data for frame in frames(run))).cpu
 
 
 def compare(size: str, fps: int, rounds: int, folder: Path) -> str:

@@ -12,8 +12,7 @@ if TYPE_CHECKING:
     from emovid.swarm.dataframe import to_dataframe
     from emovid.swarm.simulate import simulate
     from emovid.version import __version__
-    from emovid.video.preview import show
-    from emovid.video.render import render_video
+    from emovid.video.render import render_video, show
 
 __all__ = [
     "EmovidError",
@@ -38,7 +37,7 @@ _HOMES = {
     "load_scene": "emovid.scene.load",
     "read_responses": "emovid.responses.read",
     "render_video": "emovid.video.render",
-    "show": "emovid.video.preview",
+    "show": "emovid.video.render",
     "simulate": "emovid.swarm.simulate",
     "to_dataframe": "emovid.swarm.dataframe",
 }

@@ -16,8 +16,9 @@ from emovid.scene.model import Scene
 from emovid.swarm.files import save_trajectory
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
-from emovid.video.encode import ffmpeg_version
-from emovid.video.render import render_video, video_arguments
+from emovid.video import ffmpeg
+from emovid.video.encoder import video_arguments
+from emovid.video.render import render_video
 
 Kind = Literal["video", "trajectory", "measure"]
 Record = dict[str, Any]  # of a finished job: its recipe, and what came of it
@@ -118,7 +119,7 @@ def versions(only: str) -> dict[str, str]:
     """Return the versions of all that such a result may depend on; `code` is a digest of our own rooms."""
     return {
         **{name: version(name) for name in ("emovid", *_PACKAGES[only])},
-        **({"ffmpeg": ffmpeg_version()} if only == "video" else {}),
+        **({"ffmpeg": ffmpeg.version()} if only == "video" else {}),
         "machine": platform.machine(),
         "code": _code_digest(_MODULES[only]),
     }

@@ -20,8 +20,8 @@ from emovid.batch.sweep import Item
 from emovid.figures.contact import contact_figure
 from emovid.figures.style import encoded
 from emovid.swarm.files import load_trajectory
-from emovid.video.draw import Painter
-from emovid.video.still import last_frame
+from emovid.video.frame_reader import read_last_frame
+from emovid.video.painter import Painter
 
 NAME = "contact-sheet.png"
 MAX_SIDE = 200  # pictures in a row or a column
@@ -106,7 +106,7 @@ def _labels(axes: Axes) -> tuple[str, list[str]]:
 def _picture(folder: Path, records: Mapping[str, Record], width: int, height: int, item: Item) -> NDArray[np.uint8]:
     """Return what an item shows at its end, (height, width, 3) RGB."""
     if records[item.name]["only"] == "video":
-        return last_frame(folder / item.name, item.scene.frames, item.scene.video.fps, width, height)
+        return read_last_frame(folder / item.name, item.scene.frames, item.scene.video.fps, width, height)
     run = load_trajectory(folder / item.name)
     video = run.scene.video.model_copy(update={"size": f"{width}x{height}"})
     return Painter(run, video).frame(run.t[-1])[..., :3].copy()

@@ -12,7 +12,7 @@ from emovid.batch.sweep_file import SweepFile
 from emovid.errors import InputError, SourceError
 from emovid.scene.load import Setting, scene_digest, scene_of
 from emovid.scene.model import Scene
-from emovid.video.formats import FORMATS
+from emovid.video.encoder import FORMATS
 
 PLAN = "plan.json"
 MAX_ITEMS = 100_000

@@ -90,8 +90,7 @@ def _make(source: str, overrides: "list[Setting]", target: Path, *, quiet: bool)
     from emovid.cli.progress import counting
     from emovid.scene.load import load_scene
     from emovid.swarm.simulate import check_start, simulate
-    from emovid.video.preview import reduced
-    from emovid.video.render import render_video
+    from emovid.video.render import reduced, render_video
 
     started = time.perf_counter()
     scene = load_scene(source, overrides)
@@ -114,7 +113,7 @@ def _write_sheet(run: "Trajectory", target: Path) -> None:
 
     from emovid.figures.contact import contact_figure
     from emovid.figures.style import save
-    from emovid.video.draw import Painter
+    from emovid.video.painter import Painter
 
     times, painter = np.linspace(0, run.t[-1], _ROWS * _COLUMNS), Painter(run)
     pictures = np.stack([painter.frame(t)[..., :3].copy() for t in times])

@@ -172,7 +172,7 @@ def _replaced(work: "Sequence[Job]") -> "Iterator[str]":
 
 def _format_of(output: Path | None) -> "FormatName | None":
     """Return the format whose files end as the output does."""
-    from emovid.video.formats import FORMATS
+    from emovid.video.encoder import FORMATS
 
     suffixes = {made.suffix: name for name, made in FORMATS.items() if made.suffix}
     return suffixes.get(output.suffix.lower()) if output and not output.is_dir() else None
@@ -180,8 +180,7 @@ def _format_of(output: Path | None) -> "FormatName | None":
 
 def _target(output: Path | None, stem: str, format: "FormatName") -> Path:
     """Return the file, or the folder of pictures, that `-o` means for a scene."""
-    from emovid.video.encode import check_sequence
-    from emovid.video.formats import FORMATS
+    from emovid.video.encoder import FORMATS, check_sequence
 
     suffix = FORMATS[format].suffix
     others = {made.suffix for made in FORMATS.values()} - {"", suffix}

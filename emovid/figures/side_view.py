@@ -16,10 +16,9 @@ from emovid.scene.model import Scene
 from emovid.swarm.arrays import Array
 from emovid.swarm.coverage import corners_of
 from emovid.swarm.trajectory import Trajectory
-from emovid.video.pinhole import Pinhole
-from emovid.video.ribbons import ribbon
-from emovid.video.robot_outlines import trailed_robots
-from emovid.video.solids import Colouring, seen_robots
+from emovid.video.cameras import PinholeCamera
+from emovid.video.robots import RobotColours, robot_solids
+from emovid.video.trails import ribbon, trailed_robots
 
 _EDGE = 0.6  # width of the line around the stage [pt]
 _THINNEST = 0.4  # width of a trail in the middle of the stage where a panel is small [pt]
@@ -29,9 +28,9 @@ _MARGIN = 0.01  # around the stage, over its width in the picture
 
 def seen_panels(
     scene: Scene, count: int, columns: int, width: float, *, above: float = 0.0, below: float = 0.0
-) -> tuple[Figure, list[Axes], Pinhole]:
+) -> tuple[Figure, list[Axes], PinholeCamera]:
     """Return panels that each show the stage from the scene's camera, the camera's pixels their units. See `panels`."""
-    camera = Pinhole.framing(scene.stage, scene.video, scene.robot.body.height)
+    camera = PinholeCamera.framing(scene.stage, scene.video, scene.robot.body.height)
     corners = corners_of(scene.stage)
     tops = np.column_stack([corners, np.full(len(corners), scene.robot.body.height)])
     seen = np.concatenate([camera.pixels(corners), camera.project(tops)])
@@ -46,13 +45,13 @@ def seen_panels(
     return figure, made, camera
 
 
-def draw_seen_trails(axes: Axes, trajectory: Trajectory, until: float, camera: Pinhole) -> None:
+def draw_seen_trails(axes: Axes, trajectory: Trajectory, until: float, camera: PinholeCamera) -> None:
     """Draw the trails on the floor as they are at the time `until` [s]."""
     trails, colours = trajectory.scene.video.trails, print_colours(trajectory.scene).trails
     since = 0.0 if trails.seconds is None else max(until - trails.seconds, 0.0)
     robots = trailed_robots(trajectory.scene.robots, trails.robots)
     point = scale_of(axes)  # of the page, per pixel
-    lines = slices(trajectory, robots.tolist(), since, until, _FLATNESS / point / camera.finest)
+    lines = slices(trajectory, robots.tolist(), since, until, _FLATNESS / point / camera.max_scale)
     width = max(trails.width, _THINNEST / point / camera.scale)
     kinds = [to_rgba(colours[i % len(robots) % len(colours)]) for i in range(len(lines))]
     # Each but those of the first slice continues the same robot's of the slice before.
@@ -62,12 +61,12 @@ def draw_seen_trails(axes: Axes, trajectory: Trajectory, until: float, camera: P
         _fill(axes, [made.path for made in ribbons], np.array(kinds), 2)
 
 
-def draw_seen_swarm(axes: Axes, trajectory: Trajectory, t: float, camera: Pinhole) -> None:
+def draw_seen_swarm(axes: Axes, trajectory: Trajectory, t: float, camera: PinholeCamera) -> None:
     """Draw all robots where they are at the time `t` [s], in the colours of their trails."""
     scene, colours = trajectory.scene, print_colours(trajectory.scene)
     bodies = np.array([to_rgba(colour) for colour in body_colours(scene)])
-    colouring = Colouring(bodies, *(np.array(to_rgba(colour)) for colour in (colours.wheels, colours.front)))
-    seen = seen_robots(camera, scene.robot.body, trajectory.at(np.array([t]))[0], colouring)
+    colouring = RobotColours(bodies, *(np.array(to_rgba(colour)) for colour in (colours.wheels, colours.front)))
+    seen = robot_solids(camera, scene.robot.body, trajectory.at(np.array([t]))[0], colouring)
     _fill(axes, seen.paths, seen.colours, 3)
 
 

@@ -19,7 +19,8 @@ from emovid.scene.video import THEMES, Colours
 from emovid.swarm.arrays import Array
 from emovid.swarm.coverage import corners_of
 from emovid.swarm.trajectory import Trajectory
-from emovid.video.robot_outlines import robot_parts, robot_rim, trailed_robots
+from emovid.video.robots import robot_parts, robot_rim
+from emovid.video.trails import trailed_robots
 
 LINE = 1.4 * TEXT  # room for a line of text beside a panel [pt]
 

@@ -16,7 +16,7 @@ from emovid.kit.orders import Order, presentation_orders
 from emovid.kit.seeded_random import commitment, fresh_seed, salt, shuffled
 from emovid.kit.stimuli import Stimulus, blinded, make
 from emovid.kit.study import Study
-from emovid.video.encode import count_frames
+from emovid.video.ffmpeg import count_frames
 
 _OWNER_ONLY = 0o600
 

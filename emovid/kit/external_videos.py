@@ -1,19 +1,18 @@
 """Finished videos as stimuli: checked, decoded, and encoded again like all others."""
 
 import re
-import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
-from emovid.errors import RenderError, SourceError
+from emovid.errors import SourceError
 from emovid.kit.seeded_random import draw
 from emovid.kit.study import Look
 from emovid.scene.video import Video
+from emovid.video import ffmpeg
 from emovid.video.canvas import Pixels
-from emovid.video.encode import address, count_frames, ffmpeg, write_video
-from emovid.video.render import video_arguments
+from emovid.video.encoder import video_arguments, write_video
 
 # Of the first frame as it is shown, turned as the file says: width and height of a pixel, and of the picture.
 _SHOWN = re.compile(r"showinfo.* sar:(\d+)/(\d+) s:(\d+x\d+) ")
@@ -29,10 +28,9 @@ def check_video(video: Path, look: Look) -> None:
     """
     if not video.is_file():
         raise SourceError(str(video), "no such file")
-    found = count_frames(video)
-    command = [ffmpeg(), "-hide_banner", "-nostdin", "-i", address(video), "-map", "0:v:0", "-frames:v", "1"]
-    command += ["-vf", "showinfo", "-f", "null", "-"]
-    said = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False).stderr
+    found = ffmpeg.count_frames(video)
+    source = ["-hide_banner", "-nostdin", "-i", ffmpeg.address(video), "-map", "0:v:0", "-frames:v", "1"]
+    said = ffmpeg.run([*source, "-vf", "showinfo", "-f", "null", "-"]).messages
     shown, rate = _SHOWN.search(said), _RATE.search(said)
     if not (found and shown and rate):
         raise SourceError(str(video), "cannot be decoded as a video")
@@ -70,14 +68,6 @@ def grain(width: int, height: int, seed: int) -> Pixels:
 def _planes(video: Path, width: int, height: int, changed: Pixels) -> Iterator[Pixels]:
     """Yield the frames as yuv420p, each overwritten by the next."""
     conversion = "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+bitexact,format=yuv420p"
-    command = [ffmpeg(), "-v", "error", "-nostdin", "-i", address(video), "-map", "0:v:0", "-vf", conversion]
-    size = width * height * 3 // 2
-    with subprocess.Popen([*command, "-f", "rawvideo", "-"], stdout=subprocess.PIPE) as process:
-        assert process.stdout
-        planes = np.empty(size, np.uint8)
-        while raw := process.stdout.read(size):
-            if len(raw) < size:
-                raise RenderError(f"{video}: cannot be decoded to its end")
-            planes[:] = np.frombuffer(raw, np.uint8)
-            planes[: width * height] ^= changed.ravel()
-            yield planes
+    for planes in ffmpeg.decode(video, conversion, width * height * 3 // 2):
+        planes[: width * height] ^= changed.ravel()
+        yield planes

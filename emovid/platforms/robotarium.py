@@ -21,7 +21,7 @@ from emovid.scene.stage import StageKeys
 from emovid.swarm.arrays import Array
 from emovid.swarm.start import start_poses
 from emovid.swarm.unicycle import look_ahead
-from emovid.video.robot_outlines import trailed_robots
+from emovid.video.trails import trailed_robots
 
 STEP = 0.033  # s; of the testbed and its simulators
 MAX_ROBOTS = 20

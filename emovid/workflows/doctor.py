@@ -109,13 +109,13 @@ def _videos() -> Iterator[Check]:
 def _render(format: str) -> str:
     from emovid.scene.load import load_scene
     from emovid.swarm.simulate import simulate
-    from emovid.video.encode import ffmpeg_version
+    from emovid.video import ffmpeg
     from emovid.video.render import render_video
 
     run = simulate(load_scene("sadness", _SMALL | {"video.format": format}))
     with tempfile.TemporaryDirectory() as folder:
         render_video(run, Path(folder) / f"run.{format}")
-    return f"encoded by ffmpeg {ffmpeg_version()}"
+    return f"encoded by ffmpeg {ffmpeg.version()}"
 
 
 def _fonts() -> Check:

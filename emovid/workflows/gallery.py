@@ -52,7 +52,7 @@ def _film(material: "Material", emotion: str) -> "Film":
 
     from emovid.figures.gallery import Film
     from emovid.scene.emotions import EMOTIONS
-    from emovid.video.draw import Painter
+    from emovid.video.painter import Painter
     from emovid.video.render import render_video
 
     run = material.run(emotion)

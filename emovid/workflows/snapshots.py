@@ -124,7 +124,7 @@ def _frames(source: str, asked: Moments, overrides: "Sequence[Setting]") -> "Ent
 def _sheet_of_scene(source: str, asked: Moments, overrides: "Sequence[Setting]") -> "Entry":
     import numpy as np
 
-    from emovid.video.draw import Painter
+    from emovid.video.painter import Painter
 
     run, times = _run(source, asked, lambda _, end: evenly(_ON_A_SHEET, end), overrides)
     video = run.scene.video
@@ -141,7 +141,7 @@ def _sheet_of_film(source: str, asked: Moments, overrides: "Sequence[Setting]") 
     import numpy as np
 
     from emovid.errors import reason
-    from emovid.video.still import film_frames, read_film
+    from emovid.video.frame_reader import frame_times, read_frames
 
     if overrides:
         raise InputError(f"{overrides[0].origin}: {source} is a video; only scenes have keys to replace")
@@ -150,12 +150,12 @@ def _sheet_of_film(source: str, asked: Moments, overrides: "Sequence[Setting]") 
         path.open("rb").close()
     except OSError as error:
         raise InputError(f"{source}: cannot be read: {reason(error)}") from None
-    film = read_film(path)
+    film = frame_times(path)
     times = asked.within(film.end, evenly(_ON_A_SHEET, film.end))
 
     def pictures(width: int) -> "NDArray[np.uint8]":
         size = _within(width, film.width, film.height)
-        return film_frames(path, film.shown_at(np.array(times)).tolist(), *size)
+        return read_frames(path, film.frames_at(np.array(times)).tolist(), *size)
 
     return _entry(source, CONTACT, _sheet, pictures, times)
 

@@ -10,7 +10,8 @@ import pytest
 from emovid.swarm.files import save_trajectory
 from emovid.swarm.simulate import simulate
 from emovid.video import render
-from emovid.video.render import frames_checksum, render_video, video_arguments
+from emovid.video.encoder import video_arguments
+from emovid.video.render import frames_checksum, render_video
 
 KEYS = {"video.size": "320x240", "video.fps": 10, "duration": 1.5}
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from emovid.cli.main import main
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import load_scene, shipped_scene
-from emovid.video.encode import count_frames
+from emovid.video.ffmpeg import count_frames
 
 EXAMPLES = int(os.environ.get("EMOVID_EXAMPLES", "30"))
 # Whatever the text says, the run is short and the video is small.

@@ -9,7 +9,7 @@ from PIL import Image
 from emovid.cli.main import main
 from emovid.scene.load import load_scene
 from emovid.swarm.simulate import simulate
-from emovid.video.draw import Painter
+from emovid.video.painter import Painter
 
 SHORT = ["--set", "duration=2"]
 LEFT = TOP = 25  # pixels around the sheet
@@ -97,7 +97,7 @@ EXPECTED = "expected one video file, scene (.yaml), finished run (.npz) or emoti
         (["none.mp4"], "none.mp4: cannot be read: no such file or directory"),
         (["folder.mp4"], f"folder.mp4: is a folder; {EXPECTED}"),
         (["folder"], f"folder: is a folder; {EXPECTED}"),
-        (["text.mp4"], "text.mp4: no video that can be read"),
+        (["text.mp4"], "text.mp4: cannot be read as a video"),
         (["feer"], "feer: no such file or emotion (did you mean fear?)"),
         (["small.gif", "--times", "0,3"], "--times 0,3: 3 s is outside the run of 0 to 0.1 s"),
         (["small.gif", "--times", "0", "--count", "2"], "--times and --count: expected one of them"),

@@ -48,9 +48,9 @@ def test_an_ffmpeg_that_does_not_encode_fails_and_is_told_how_to_mend(capsys, mo
 
 
 def test_the_real_ffmpeg_is_asked(capsys, monkeypatch) -> None:
-    from emovid.video import encode
+    from emovid.video import ffmpeg
 
-    monkeypatch.setattr(encode, "ffmpeg", lambda: "/bin/false")
+    monkeypatch.setattr(ffmpeg, "executable", lambda: "/bin/false")
     assert main(["doctor", "--json"]) == 1
     assert "ffmpeg failed with exit status 1" in found(capsys)["mp4"]["found"]
 

@@ -13,7 +13,7 @@ from emovid.figures.top_view import slices
 from emovid.scene.video import THEMES
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
-from emovid.video.robot_outlines import trailed_robots
+from emovid.video.trails import trailed_robots
 
 TIMES = (0, 0.7, 2.5)
 

@@ -13,7 +13,7 @@ from emovid.figures.robotarium import OVERHEAD_VIDEOS, PERSPECTIVE_VIDEOS, overh
 from emovid.scene.emotions import EMOTIONS
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
-from emovid.video.pinhole import Pinhole
+from emovid.video.cameras import PinholeCamera
 
 
 @pytest.fixture(scope="module")
@@ -21,8 +21,8 @@ def run(make_scene) -> Trajectory:
     return simulate(make_scene("happiness", {"duration": 2.5, "video.view": "perspective", "video.trails.width": 0.01}))
 
 
-def camera_of(run: Trajectory) -> Pinhole:
-    return Pinhole.framing(run.scene.stage, run.scene.video, run.scene.robot.body.height)
+def camera_of(run: Trajectory) -> PinholeCamera:
+    return PinholeCamera.framing(run.scene.stage, run.scene.video, run.scene.robot.body.height)
 
 
 def words(figure: Figure) -> list[str]:

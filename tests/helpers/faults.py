@@ -10,7 +10,7 @@ import subprocess
 import time
 from contextlib import suppress
 
-from emovid.video.encode import ffmpeg
+from emovid.video import ffmpeg
 from tests.helpers.trial import NAMES, SMALL, Fault, TooLateError, Trial, family
 
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
@@ -59,7 +59,7 @@ def with_ffmpeg(name: str, script: str, cause: str, first: str = "pass") -> Faul
 
     def inject(trial: Trial) -> None:
         fake = trial.folder.parent / "ffmpeg"
-        answer = f'real=\'{ffmpeg()}\'; case "$*" in *-version*|*progress*) exec "$real" "$@";; esac'
+        answer = f'real=\'{ffmpeg.executable()}\'; case "$*" in *-version*|*progress*) exec "$real" "$@";; esac'
         fake.write_text(f"#!/bin/bash\n{answer}\n{script}\n")
         fake.chmod(fake.stat().st_mode | stat.S_IXUSR)
         trial.environment["IMAGEIO_FFMPEG_EXE"] = str(fake)
@@ -150,7 +150,7 @@ def spoilt(rng: random.Random, name: str) -> Fault:
     return Fault(f"a spoilt {'manifest' if name.endswith('.json') else 'video'}", inject)
 
 
-_IMPATIENT = "import emovid.video.encode as encode; encode._GRACE = 0.3"
+_IMPATIENT = "import emovid.video.ffmpeg as ffmpeg; ffmpeg.IDLE_TIMEOUT = 0.3"
 
 
 def lasting() -> list[Fault]:

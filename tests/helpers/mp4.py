@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from emovid.video.encode import ffmpeg
+from emovid.video import ffmpeg
 
 _CONTAINERS = {b"moov", b"trak", b"mdia", b"minf", b"stbl"}
 
@@ -59,7 +59,7 @@ def decode(path: Path, width: int, height: int) -> np.ndarray:
 def decoded(path: Path, width: int, height: int) -> Iterator[np.ndarray]:
     """Yield the frames (height, width, 3) one by one."""
     conversion = "scale=in_color_matrix=bt709:in_range=tv:flags=accurate_rnd+full_chroma_int,format=rgb24"
-    command = [ffmpeg(), "-v", "error", "-xerror", "-i", str(path), "-vf", conversion, "-f", "rawvideo", "-"]
+    command = [ffmpeg.executable(), "-v", "error", "-xerror", "-i", str(path), "-vf", conversion, "-f", "rawvideo", "-"]
     with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
         assert process.stdout
         while raw := process.stdout.read(3 * width * height):
@@ -70,7 +70,7 @@ def decoded(path: Path, width: int, height: int) -> Iterator[np.ndarray]:
 def stream_line(path: Path) -> str:
     """Return what ffmpeg says of the only stream."""
     said = subprocess.run(
-        [ffmpeg(), "-hide_banner", "-i", str(path)], capture_output=True, text=True, check=False
+        [ffmpeg.executable(), "-hide_banner", "-i", str(path)], capture_output=True, text=True, check=False
     ).stderr
     streams = [line.strip() for line in said.splitlines() if line.strip().startswith("Stream #")]
     assert len(streams) == 1, streams

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from emovid.scene.view import Aim
-from emovid.video.pinhole import Pinhole
+from emovid.video.cameras import PinholeCamera
 
 AIMS = st.builds(
     Aim,
@@ -14,11 +14,11 @@ AIMS = st.builds(
     tilt=st.floats(0.1, 1.2),
     focal=st.floats(200, 3000),
 )
-PINHOLES = AIMS.map(lambda aim: Pinhole(1280, 720, aim, (0.0, 0.0), (0.0, -0.4)))
+PINHOLES = AIMS.map(lambda aim: PinholeCamera(1280, 720, aim, (0.0, 0.0), (0.0, -0.4)))
 FLOOR = st.tuples(st.floats(-1, 1), st.floats(-1, 1)).map(np.array)
 
 
-def matrix(camera: Pinhole) -> np.ndarray:
+def matrix(camera: PinholeCamera) -> np.ndarray:
     """Return the camera as textbooks write it: K [R | -R c], 3 x 4, for pixels from the upper left corner, y down."""
     x, y, z, tilt, focal = camera.aim
     level = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])  # right, down and away of a camera that looks along y

@@ -19,7 +19,7 @@ from emovid.responses.key import read_key
 from emovid.responses.labels import Labels
 from emovid.responses.mapping import read_mapping
 from emovid.scene.load import load_scene
-from emovid.video.encode import count_frames
+from emovid.video.ffmpeg import count_frames
 from tests.helpers.tiny import LABELS, SEED, STUDY, Silent, make_kit, write_study
 
 

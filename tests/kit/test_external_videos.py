@@ -10,7 +10,7 @@ import pytest
 from emovid.errors import RenderError, SourceError
 from emovid.kit.external_videos import check_video, grain, reencode
 from emovid.kit.study import Look
-from emovid.video.encode import ffmpeg
+from emovid.video import ffmpeg
 
 LOOK = Look(size="160x90", fps=10, duration=1.0)
 
@@ -26,12 +26,14 @@ def video(fresh, tmp_path, monkeypatch) -> Path:
 def changed(video: Path, *options: str | bytes, before: tuple[str, ...] = ()) -> Path:
     """Return the video as another program would have written it."""
     target = Path("changed.mp4")
-    subprocess.run([ffmpeg(), "-v", "error", *before, "-i", video.absolute(), *options, "-y", target], check=True)
+    subprocess.run(
+        [ffmpeg.executable(), "-v", "error", *before, "-i", video.absolute(), *options, "-y", target], check=True
+    )
     return target
 
 
 def luma(video: Path) -> np.ndarray:
-    command = [ffmpeg(), "-v", "error", "-i", video, "-f", "rawvideo", "-pix_fmt", "gray", "-"]
+    command = [ffmpeg.executable(), "-v", "error", "-i", video, "-f", "rawvideo", "-pix_fmt", "gray", "-"]
     data = subprocess.run(command, capture_output=True, check=True).stdout
     return np.frombuffer(data, np.uint8).reshape(-1, 90, 160).astype(int)
 
@@ -59,7 +61,7 @@ def test_a_video_that_would_be_seen_otherwise_than_the_others_is_refused(video, 
 
 def test_what_is_no_video_is_refused(tmp_path) -> None:
     sound = tmp_path / "sound.wav"
-    subprocess.run([ffmpeg(), "-v", "error", "-f", "lavfi", "-i", "sine=duration=1", str(sound)], check=True)
+    subprocess.run([ffmpeg.executable(), "-v", "error", "-f", "lavfi", "-i", "sine=duration=1", str(sound)], check=True)
     for path in (sound, Path(__file__)):
         with pytest.raises(SourceError, match="cannot be decoded as a video"):
             check_video(path, LOOK)
@@ -101,7 +103,7 @@ def test_a_decoder_that_stops_within_a_frame_is_an_error_and_leaves_no_video(vid
     failing = Path("failing").absolute()
     failing.write_text("#!/bin/sh\nhead -c 1000 /dev/zero\n")
     failing.chmod(0o755)
-    monkeypatch.setattr("emovid.kit.external_videos.ffmpeg", lambda: str(failing))
+    monkeypatch.setattr("emovid.video.ffmpeg.executable", lambda: str(failing))
     with pytest.raises(RenderError, match=r"recorded\.mp4: cannot be decoded to its end"):
         reencode(video, Path("out.mp4"), LOOK, 5)
     assert not Path("out.mp4").exists()

@@ -10,8 +10,8 @@ from emovid.scene.load import Setting, load_scene
 from emovid.swarm.clearance import room_on_stage
 from emovid.swarm.simulate import simulate
 from emovid.swarm.summary import summarise
-from emovid.video.draw import Painter
-from emovid.video.yuv import Yuv420
+from emovid.video.painter import Painter
+from emovid.video.pixel_formats import Yuv420
 from tests.helpers.reference import whole_frame
 from tests.helpers.stages import HEXAGON, THIN, TRIANGLE, keys_of
 

@@ -7,7 +7,7 @@ from matplotlib.path import Path
 from emovid.scene.emotions import EMOTIONS
 from emovid.swarm.simulate import simulate
 from emovid.video.canvas import Canvas, Layer, rgba
-from emovid.video.draw import Painter
+from emovid.video.painter import Painter
 from tests.helpers.reference import inside
 
 WIDTH, HEIGHT = 120, 80

@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from emovid.video.indexed import COLOURS, Indexed, frequent_colours
+from emovid.video.pixel_formats import PALETTE_SIZE, PaletteIndices, frequent_colours
 
 PICTURES = arrays.arrays(np.uint8, (5, 4, 4), elements=st.sampled_from([0, 3, 77, 200, 255]))
 
@@ -16,7 +16,7 @@ def shown(data: np.ndarray, height: int, width: int) -> np.ndarray:
 
 def convert(picture: np.ndarray, colours: np.ndarray) -> np.ndarray:
     height, width = picture.shape[:2]
-    return Indexed(width, height, colours).convert(picture, [(0, height, 0, width)])
+    return PaletteIndices(width, height, colours).convert(picture, [(0, height, 0, width)])
 
 
 @given(PICTURES)
@@ -36,7 +36,7 @@ def test_every_pixel_has_the_nearest_colour(picture, colours) -> None:
 @given(PICTURES, PICTURES)
 def test_converting_what_changed_gives_what_converting_all_does(first, second) -> None:
     colours = frequent_colours([first, second])
-    follower = Indexed(4, 5, colours)
+    follower = PaletteIndices(4, 5, colours)
     follower.convert(first, [(0, 5, 0, 4)])
     both = first.copy()
     both[1:3, 2:] = second[1:3, 2:]
@@ -49,4 +49,4 @@ def test_the_colours_kept_are_those_of_most_pixels() -> None:
     picture[:16] = 9
     kept = frequent_colours([picture, picture])
     assert kept[0] == 0x090909
-    assert len(kept) == COLOURS == 255  # one entry is left for pixels that stay as they are
+    assert len(kept) == PALETTE_SIZE == 255  # one entry is left for pixels that stay as they are

@@ -8,9 +8,9 @@ from emovid.scene.emotions import EMOTIONS
 from emovid.scene.video import THEMES
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
-from emovid.video.draw import Painter
+from emovid.video.painter import Painter
+from emovid.video.pixel_formats import Yuv420
 from emovid.video.render import frames_checksum
-from emovid.video.yuv import Yuv420
 from tests.helpers.reference import hits_of_rays, inside, whole_frame
 from tests.helpers.stages import HEXAGON, keys_of
 
@@ -154,7 +154,7 @@ def test_the_density_tints_the_floor_up_to_the_edge_of_the_stage(make_scene, the
             x, y = painter.camera.pixels(share * np.array(corner)).astype(int)
             if share < 0.5 or corner[1] < 0.3:  # no robot there
                 assert frame[y, x].tolist() == [int(dense[i : i + 2], 16) for i in (1, 3, 5)]
-    around = painter.camera.cover(run.scene.stage, np.array([[x, y] for x in (5, 640, 1275) for y in (5, 715)]))
+    around = painter.camera.stage_share(run.scene.stage, np.array([[x, y] for x in (5, 640, 1275) for y in (5, 715)]))
     assert (around == 0).all()
     surround = run.scene.video.palette.surround
     assert frame[5, 640].tolist() == [int(surround[i : i + 2], 16) for i in (1, 3, 5)]
@@ -169,7 +169,7 @@ def test_targets_are_discs_that_lie_on_the_floor(make_scene) -> None:
     x, y = painter.camera.pixels(np.zeros(2))
     part = frame[int(1080 - y) : int(1080 - y) + 30, int(x) - 30 : int(x)]  # a quarter; the line to it ends in another
     red = np.clip(part[..., 0] - part[..., 1], 0, 255) / 255  # how much of each pixel is a dot
-    turn = painter.camera.turns(np.zeros((1, 2)), 1.0)[0]
+    turn = painter.camera.disc_maps(np.zeros((1, 2)), 1.0)[0]
     assert red.sum(axis=0).max() / red.sum(axis=1).max() == pytest.approx(turn[1, 1] / turn[0, 0], abs=0.15)
 
 

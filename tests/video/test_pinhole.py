@@ -6,19 +6,21 @@ from hypothesis import strategies as st
 from emovid.scene.stage import Rectangle
 from emovid.scene.video import CameraKeys, Video
 from emovid.scene.view import Aim
-from emovid.video.pinhole import Pinhole
+from emovid.video.cameras import PinholeCamera
 from tests.helpers.pinholes import FLOOR, PINHOLES, matrix
 
 ROBOTARIUM = Rectangle(width=4.3, height=3.6)
 
 
-def framing(stage: Rectangle = ROBOTARIUM, tallest: float = 0.1, size: str = "1280x720", **keys: float) -> Pinhole:
-    return Pinhole.framing(stage, Video(size=size, view="perspective", camera=CameraKeys(**keys)), tallest)
+def framing(
+    stage: Rectangle = ROBOTARIUM, tallest: float = 0.1, size: str = "1280x720", **keys: float
+) -> PinholeCamera:
+    return PinholeCamera.framing(stage, Video(size=size, view="perspective", camera=CameraKeys(**keys)), tallest)
 
 
 def test_known_points_of_a_camera_that_looks_down_at_45_degrees() -> None:
     # One metre up and one metre back: the origin is in the middle, sqrt(2) m away.
-    camera = Pinhole(400, 300, Aim(0.0, -1.0, 1.0, np.pi / 4, 100.0), (0.0, 0.0), (0.0, 0.0))
+    camera = PinholeCamera(400, 300, Aim(0.0, -1.0, 1.0, np.pi / 4, 100.0), (0.0, 0.0), (0.0, 0.0))
     assert camera.pixels(np.array([0.0, 0.0])) == pytest.approx([200, 150])
     assert camera.pixels(np.array([0.5, 0.0])) == pytest.approx([200 + 50 / np.sqrt(2), 150])
     assert camera.pixels(np.array([0.0, 1.0])) == pytest.approx([200, 150 + 100 / 3])  # (2, -1): up 1, away 3
@@ -64,7 +66,7 @@ def test_turns_are_the_derivative_of_the_pixels(camera, place) -> None:
     step = 1e-5
     moves = np.array([[step, 0], [0, step]])
     slope = (camera.pixels(place + moves) - camera.pixels(place - moves)).T / (2 * step)
-    turn = camera.turns(place[None], 3.0)[0]
+    turn = camera.disc_maps(place[None], 3.0)[0]
     assert turn[:2, :2] == pytest.approx(3.0 * slope / camera.scale, rel=1e-4, abs=1e-6)
     assert turn[2].tolist() == [0, 0, 1]
 
@@ -99,9 +101,9 @@ def test_the_nearest_corner_has_the_most_pixels_per_metre() -> None:
     steps = 1e-4 * np.stack([np.cos(np.arange(0, 7, 0.1)), np.sin(np.arange(0, 7, 0.1))], axis=-1)
     for corner in ROBOTARIUM.outline:
         moved = camera.pixels(corner + steps) - camera.pixels(np.array(corner))
-        assert np.hypot(*moved.T).max() / 1e-4 < 1.001 * camera.finest
+        assert np.hypot(*moved.T).max() / 1e-4 < 1.001 * camera.max_scale
     moved = camera.pixels(np.array([-2.15, -1.8]) + steps) - camera.pixels(np.array([-2.15, -1.8]))
-    assert np.hypot(*moved.T).max() / 1e-4 == pytest.approx(camera.finest, rel=0.01)
+    assert np.hypot(*moved.T).max() / 1e-4 == pytest.approx(camera.max_scale, rel=0.01)
 
 
 def test_a_camera_that_looks_straight_down_sees_no_horizon() -> None:

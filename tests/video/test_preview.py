@@ -4,7 +4,7 @@ import re
 import pytest
 
 from emovid import show, simulate
-from emovid.video.preview import reduced
+from emovid.video.render import reduced
 from tests.helpers.mp4 import decode
 
 SHORT = {"duration": 1.0, "video.fps": 30}

@@ -8,9 +8,10 @@ from PIL import Image
 from emovid import load_scene, render_video, simulate
 from emovid.atomic_io import file_digest
 from emovid.swarm.files import load_trajectory, save_trajectory
-from emovid.video.draw import Painter
-from emovid.video.encode import count_frames
-from emovid.video.render import frames, frames_checksum, video_arguments
+from emovid.video.encoder import video_arguments
+from emovid.video.ffmpeg import count_frames
+from emovid.video.painter import Painter
+from emovid.video.render import frames, frames_checksum
 from tests.helpers.mp4 import decode, stream_line
 
 SMALL = {"video.size": "160x120", "video.fps": 10, "duration": 2}

@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from emovid.scene.view import Aim
-from emovid.video.pinhole import Pinhole
-from emovid.video.ribbons import Ribbon, ribbon
+from emovid.video.cameras import PinholeCamera
+from emovid.video.trails import Ribbon, ribbon
 from tests.helpers.pinholes import FLOOR, PINHOLES
 
 TURNS = st.lists(st.floats(-0.12, 0.12), min_size=2, max_size=12).map(np.cumsum)
@@ -67,7 +67,7 @@ def test_a_line_across_is_thinner_the_farther_away_it_is(camera) -> None:
 
 
 def test_a_line_seen_at_45_degrees_has_its_whole_width_along_the_view_and_less_across() -> None:
-    camera = Pinhole(400, 300, Aim(0.0, -1.0, 1.0, np.pi / 4, 1000.0), (0.0, 0.0), (0.0, 0.0))
+    camera = PinholeCamera(400, 300, Aim(0.0, -1.0, 1.0, np.pi / 4, 1000.0), (0.0, 0.0), (0.0, 0.0))
     strip = slice(0, 4)  # the path's first piece, before the round joints
     across = np.asarray(ribbon(camera, np.array([[-0.1, 0.0], [0.1, 0.0]]), 0.002).path.vertices)[strip]
     away = np.asarray(ribbon(camera, np.array([[0.0, -1e-4], [0.0, 1e-4]]), 0.002).path.vertices)[strip]

@@ -10,7 +10,7 @@ from shapely.affinity import rotate, translate
 from emovid.scene.robot_files import load_robot, shipped_robots
 from emovid.scene.robots import Body
 from emovid.swarm.simulate import simulate
-from emovid.video.draw import Painter
+from emovid.video.painter import Painter
 from emovid.video.render import render_video
 
 _BODY = (18, 52, 86)

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from emovid.scene.robots import Body
-from emovid.video.robot_outlines import robot_parts, robot_rim, trailed_robots
+from emovid.video.robots import robot_parts, robot_rim
+from emovid.video.trails import trailed_robots
 
 ARROW = [[0.03, 0.0], [-0.02, 0.02], [-0.01, 0.0], [-0.02, -0.02]]
 

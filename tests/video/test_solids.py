@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from emovid.scene.robot_files import load_robot, shipped_robots
 from emovid.scene.robots import Body
 from emovid.scene.view import Aim
-from emovid.video.pinhole import Pinhole
-from emovid.video.solids import Colouring, seen_robots
+from emovid.video.cameras import PinholeCamera
+from emovid.video.robots import RobotColours, robot_solids
 from tests.helpers.pinholes import PINHOLES
 
 POSES = st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(-4, 4))
@@ -18,10 +18,10 @@ PLAIN = Body.model_validate(
 )
 
 
-def colouring(robots: int) -> Colouring:
+def colouring(robots: int) -> RobotColours:
     """Every body in a shade of red and green of its own."""
     bodies = np.array([[1.0, i / robots, 0.0, 1.0] for i in range(robots)])
-    return Colouring(bodies, BLACK, WHITE)
+    return RobotColours(bodies, BLACK, WHITE)
 
 
 def area_of(paths: list) -> shapely.Geometry:
@@ -30,7 +30,7 @@ def area_of(paths: list) -> shapely.Geometry:
 
 @given(PINHOLES, POSES)
 def test_the_outline_of_a_prism_is_the_hull_of_its_projected_corners(camera, pose) -> None:
-    seen = seen_robots(camera, PLAIN, np.array([pose]), colouring(1))
+    seen = robot_solids(camera, PLAIN, np.array([pose]), colouring(1))
     solid = [path for path, colour in zip(seen.paths, seen.colours, strict=True) if colour[3] == 1]
     x, y, heading = pose
     flat = np.exp(1j * heading) * (np.array([1, -1, -1, 1]) * 0.15 + 1j * np.array([1, 1, -1, -1]) * 0.1)
@@ -41,7 +41,7 @@ def test_the_outline_of_a_prism_is_the_hull_of_its_projected_corners(camera, pos
 
 @given(PINHOLES, POSES)
 def test_the_top_is_the_outline_at_its_height_in_the_robot_s_own_colour(camera, pose) -> None:
-    seen = seen_robots(camera, PLAIN, np.array([pose]), colouring(1))
+    seen = robot_solids(camera, PLAIN, np.array([pose]), colouring(1))
     x, y, heading = pose
     flat = np.exp(1j * heading) * (np.array([1, -1, -1, 1]) * 0.15 + 1j * np.array([1, 1, -1, -1]) * 0.1)
     top = shapely.Polygon(camera.project(np.array([[x + c.real, y + c.imag, 0.15] for c in flat])))
@@ -52,7 +52,7 @@ def test_the_top_is_the_outline_at_its_height_in_the_robot_s_own_colour(camera, 
 
 @given(PINHOLES, st.lists(POSES, min_size=1, max_size=6), st.sampled_from(shipped_robots()))
 def test_the_boxes_hold_all_robots_of_any_kind(camera, poses, name) -> None:
-    seen = seen_robots(camera, load_robot(name), np.array(poses), colouring(len(poses)))
+    seen = robot_solids(camera, load_robot(name), np.array(poses), colouring(len(poses)))
     assert len(seen.paths) == len(seen.colours)
     for path in seen.paths:
         vertices = np.asarray(path.vertices)
@@ -63,7 +63,7 @@ def test_the_boxes_hold_all_robots_of_any_kind(camera, poses, name) -> None:
 
 @given(PINHOLES, st.permutations([(0.0, -0.6, 0.4), (0.3, 0.0, 1.0), (-0.2, 0.5, 0.0), (0.1, 0.9, 2.0)]))
 def test_robots_are_painted_from_far_to_near(camera, poses) -> None:
-    seen = seen_robots(camera, PLAIN, np.array(poses), colouring(4))
+    seen = robot_solids(camera, PLAIN, np.array(poses), colouring(4))
     order = list(dict.fromkeys(round(4 * green / red) for red, green, _, _ in seen.colours[4:]))  # after the shadows
     distance = [np.hypot(poses[i][0] - camera.aim.x, poses[i][1] - camera.aim.y) for i in order]
     assert len(order) == 4
@@ -73,8 +73,10 @@ def test_robots_are_painted_from_far_to_near(camera, poses) -> None:
 @pytest.mark.parametrize("name", shipped_robots())
 def test_every_shipped_robot_lies_within_the_disc_that_spacing_is_measured_with(name) -> None:
     body = load_robot(name)
-    above = Pinhole(1000, 1000, Aim(0.0, 0.0, 1000.0, np.pi / 2, 1e6), (0.0, 0.0), (0.1, 0.1))  # as if from overhead
-    seen = seen_robots(above, body, np.array([[0.0, 0.0, 0.3]]), colouring(1))
+    above = PinholeCamera(
+        1000, 1000, Aim(0.0, 0.0, 1000.0, np.pi / 2, 1e6), (0.0, 0.0), (0.1, 0.1)
+    )  # as if from overhead
+    seen = robot_solids(above, body, np.array([[0.0, 0.0, 0.3]]), colouring(1))
     solid = [path for path, colour in zip(seen.paths, seen.colours, strict=True) if colour[3] == 1]
     reach = np.hypot(*(np.concatenate([np.asarray(path.vertices) for path in solid]) - 500).T).max() / 1000
     assert reach == pytest.approx(body.radius, rel=0.03)  # wheels have round corners

@@ -10,7 +10,7 @@ from emovid.cli.main import main
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import load_scene
 from emovid.swarm.simulate import simulate
-from emovid.video.draw import Painter
+from emovid.video.painter import Painter
 from tests.helpers.mp4 import boxes, decoded, only, stream_line, table
 
 FRAMES, FPS, WIDTH, HEIGHT = 450, 30, 1280, 720

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from emovid.swarm.simulate import simulate
-from emovid.video.draw import Painter
-from emovid.video.encode import ffmpeg
-from emovid.video.yuv import Yuv420
+from emovid.video import ffmpeg
+from emovid.video.painter import Painter
+from emovid.video.pixel_formats import Yuv420
 from tests.helpers.reference import exact_planes, whole_frame
 
 SIZES = st.tuples(st.integers(1, 9), st.integers(1, 9)).map(lambda half: (2 * half[0], 2 * half[1]))
@@ -83,7 +83,7 @@ def test_ffmpeg_finds_the_same_levels(make_scene, keys) -> None:
     height, width = frame.shape[:2]
     conversion = "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int+bitexact,format=yuv420p"
     source = ["-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{width}x{height}", "-i", "-"]
-    command = [ffmpeg(), "-v", "error", *source, "-vf", conversion, "-f", "rawvideo", "-"]
+    command = [ffmpeg.executable(), "-v", "error", *source, "-vf", conversion, "-f", "rawvideo", "-"]
     theirs = subprocess.run(command, input=frame.tobytes(), capture_output=True, check=True).stdout
     pairs = zip(
         planes(convert(frame), height, width), planes(np.frombuffer(theirs, np.uint8), height, width), strict=True

@@ -1,6 +1,5 @@
 """Whether a stimulus shows the very run of a public scene, which anybody can make again and compare."""
 
-import subprocess
 from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
@@ -14,9 +13,9 @@ from emovid.kit.read import Kit
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, load_scene
 from emovid.swarm.simulate import simulate
+from emovid.video import ffmpeg
 from emovid.video.canvas import Pixels
-from emovid.video.draw import Painter
-from emovid.video.encode import address, ffmpeg
+from emovid.video.painter import Painter
 
 # Pictures of one run correlate with 0.999 before and after encoding; of a stimulus and of its scene's public run, with
 # 0.82 at most at 1280x720, 0.984 at 160x90 (25 and 60 kits).
@@ -66,10 +65,10 @@ def _decoded(path: Path, like: Video) -> list[Picture]:
     """Return the compared frames of a file, in the size of another; fewer, if it has fewer."""
     chosen = "+".join(f"eq(n\\,{k})" for k in _numbers(like.frames))
     filters = f"select={chosen},scale={like.width}:{like.height}:in_color_matrix=bt709:in_range=tv,format=rgb24"
-    command = [ffmpeg(), "-v", "error", "-nostdin", "-i", address(path), "-vf", filters, "-fps_mode", "passthrough"]
-    done = subprocess.run([*command, "-f", "rawvideo", "-"], capture_output=True, check=False)
+    source = ["-v", "error", "-nostdin", "-i", ffmpeg.address(path), "-vf", filters, "-fps_mode", "passthrough"]
+    data = ffmpeg.run([*source, "-f", "rawvideo", "-"]).data
     size = 3 * like.width * like.height
-    frames = [done.stdout[i : i + size] for i in range(0, len(done.stdout), size)]
+    frames = [data[i : i + size] for i in range(0, len(data), size)]
     shape = like.height, like.width, 3
     return [_grey(np.frombuffer(frame, np.uint8).reshape(shape)) for frame in frames if len(frame) == size]
 

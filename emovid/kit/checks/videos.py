@@ -2,7 +2,6 @@
 
 import re
 import struct
-import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,7 +11,7 @@ from emovid.kit.checks.hints import Hints
 from emovid.kit.manifest import Video
 from emovid.kit.mp4 import Box, boxes
 from emovid.kit.read import Kit
-from emovid.video.encode import address, ffmpeg
+from emovid.video import ffmpeg
 
 # Boxes of a file with one H.264 track and nothing else, and the kinds of units in its stream: slices, and what a
 # decoder needs to read them.
@@ -121,13 +120,12 @@ def _settings(path: Path) -> tuple[bytes, ...]:
 
 
 def _decoding_problem(path: Path, video: Video) -> str:
-    command = [ffmpeg(), "-hide_banner", "-nostdin", "-nostats", "-xerror", "-i", address(path), "-map", "0:v:0"]
-    command += ["-f", "null", "-progress", "pipe:1", "-"]
-    done = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False)
-    if done.returncode or "rror" in done.stderr:
+    source = ["-hide_banner", "-nostdin", "-nostats", "-xerror", "-i", ffmpeg.address(path), "-map", "0:v:0"]
+    done = ffmpeg.run([*source, "-f", "null", "-progress", "pipe:1", "-"])
+    if done.status or "rror" in done.messages:
         return "does not decode to its end"
-    frames = int(re.findall(r"^frame=\s*(\d+)", done.stdout, re.MULTILINE)[-1])
+    frames = int(re.findall(rb"^frame=\s*(\d+)", done.data, re.MULTILINE)[-1])
     if frames != video.frames:
         return f"{frames} frames; the manifest says {video.frames}"
     size = f"{video.width}x{video.height}"
-    return "" if f" {size}" in done.stderr else f"not {size} pixels large"
+    return "" if f" {size}" in done.messages else f"not {size} pixels large"

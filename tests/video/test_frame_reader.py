@@ -5,11 +5,10 @@ import pytest
 from PIL import Image
 
 from emovid.errors import InputError, RenderError
-from emovid.video import still
-from emovid.video.encode import write_video
-from emovid.video.formats import encoder_arguments
-from emovid.video.still import film_frames, last_frame, read_film
-from emovid.video.yuv import Yuv420
+from emovid.video import ffmpeg
+from emovid.video.encoder import encoder_arguments, write_video
+from emovid.video.frame_reader import frame_times, read_frames, read_last_frame
+from emovid.video.pixel_formats import Yuv420
 
 WIDTH, HEIGHT, FRAMES, FPS = 160, 96, 12, 10
 GREYS = np.linspace(20, 235, FRAMES).round().astype(np.uint8)
@@ -32,14 +31,14 @@ def video(request, tmp_path_factory) -> Path:
 
 
 def greys(video: Path, times: list[float], size: tuple[int, int] = (40, 24)) -> list[int]:
-    film = read_film(video)
-    shown = film_frames(video, film.shown_at(np.array(times)).tolist(), *size)
+    film = frame_times(video)
+    shown = read_frames(video, film.frames_at(np.array(times)).tolist(), *size)
     assert shown.shape == (len(times), size[1], size[0], 3)
     return shown[:, size[1] // 2, size[0] // 2, 0].tolist()
 
 
 def test_a_film_says_when_its_frames_are_shown_and_how_large_they_are(video) -> None:
-    film = read_film(video)
+    film = frame_times(video)
     assert film.times == pytest.approx(np.arange(FRAMES) / FPS)
     assert film.end == pytest.approx(FRAMES / FPS)
     assert (film.width, film.height) == (WIDTH, HEIGHT)
@@ -51,25 +50,25 @@ def test_at_each_time_the_frame_is_that_which_is_shown_then(video) -> None:
 
 
 def test_the_last_frame_is_the_same_either_way(video) -> None:
-    ours = film_frames(video, [FRAMES - 1], 40, 24)[0]
-    assert np.abs(last_frame(video, FRAMES, FPS, 40, 24).astype(int) - ours).max() <= 1
+    ours = read_frames(video, [FRAMES - 1], 40, 24)[0]
+    assert np.abs(read_last_frame(video, FRAMES, FPS, 40, 24).astype(int) - ours).max() <= 1
 
 
 def test_a_last_frame_that_is_not_there_says_what_to_do(video, tmp_path) -> None:
     with pytest.raises(RenderError, match=r"greys\.\w+: its last frame cannot be read: make it again with --force"):
-        last_frame(video, 10 * FRAMES, FPS, 40, 24)
+        read_last_frame(video, 10 * FRAMES, FPS, 40, 24)
     with pytest.raises(RenderError, match="its last frame cannot be read"):
-        last_frame(tmp_path, FRAMES, FPS, 40, 24)  # a folder without pictures
+        read_last_frame(tmp_path, FRAMES, FPS, 40, 24)  # a folder without pictures
 
 
 def test_an_ffmpeg_that_does_not_answer_is_named(video, monkeypatch) -> None:
-    monkeypatch.setattr(still, "ffmpeg", lambda: "/nowhere/ffmpeg")
-    with pytest.raises(RenderError, match="ffmpeg does not answer: /nowhere/ffmpeg"):
-        read_film(video)
+    monkeypatch.setattr(ffmpeg, "executable", lambda: "/nowhere/ffmpeg")
+    with pytest.raises(RenderError, match="ffmpeg cannot be started: /nowhere/ffmpeg: no such file"):
+        frame_times(video)
 
 
 def test_a_frame_of_another_shape_is_fitted_in_on_white(video) -> None:
-    (tall,) = film_frames(video, [0], 40, 48)
+    (tall,) = read_frames(video, [0], 40, 48)
     assert (tall[0] == 255).all()
     assert tall[24, 20] == pytest.approx(GREYS[0], abs=3)
 
@@ -78,13 +77,13 @@ def test_a_frame_of_another_shape_is_fitted_in_on_white(video) -> None:
 def test_a_film_of_three_seconds_ends_at_three_seconds(fps, tmp_path) -> None:
     frame = Yuv420(64, 64).planes
     write_video([frame] * 3 * fps, 3 * fps, encoder_arguments(64, 64, fps), tmp_path / "x.mp4")
-    assert read_film(tmp_path / "x.mp4").end == 3.0
+    assert frame_times(tmp_path / "x.mp4").end == 3.0
 
 
 def test_frames_may_last_differently_long(tmp_path) -> None:
     pages = [Image.new("L", (64, 64), grey) for grey in (40, 120, 200)]
     pages[0].save(tmp_path / "x.gif", save_all=True, append_images=pages[1:], duration=[100, 700, 200])
-    assert read_film(tmp_path / "x.gif").times == pytest.approx([0, 0.1, 0.8])
+    assert frame_times(tmp_path / "x.gif").times == pytest.approx([0, 0.1, 0.8])
     assert greys(tmp_path / "x.gif", [0.05, 0.2, 0.7, 0.9], (64, 64)) == [40, 120, 120, 200]
 
 
@@ -93,16 +92,16 @@ def test_a_file_may_have_any_name(name, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     Image.new("L", (64, 64), 90).save(tmp_path / name, "gif")
     assert greys(Path(name), [0.0], (64, 64)) == [90]
-    assert (last_frame(Path(name), 1, 10, 64, 64) == 90).all()
+    assert (read_last_frame(Path(name), 1, 10, 64, 64) == 90).all()
 
 
 @pytest.mark.parametrize("data", [b"", b"no video", bytes(5000)])
 def test_what_is_no_video_is_refused(data, tmp_path) -> None:
     (tmp_path / "x.mp4").write_bytes(data)
-    with pytest.raises(InputError, match=r"x\.mp4: no video that can be read"):
-        read_film(tmp_path / "x.mp4")
+    with pytest.raises(InputError, match=r"x\.mp4: cannot be read as a video"):
+        frame_times(tmp_path / "x.mp4")
 
 
 def test_a_video_that_vanishes_says_so(tmp_path) -> None:
     with pytest.raises(RenderError, match=r"x\.mp4: its frames cannot be read"):
-        film_frames(tmp_path / "x.mp4", [0], 40, 24)
+        read_frames(tmp_path / "x.mp4", [0], 40, 24)

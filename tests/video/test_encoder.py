@@ -11,10 +11,10 @@ import pytest
 from PIL import Image
 
 from emovid.errors import EmovidError, InputError, RenderError
-from emovid.video import encode
-from emovid.video.encode import count_frames, ffmpeg, write_pictures, write_video
-from emovid.video.formats import encoder_arguments
-from emovid.video.yuv import Yuv420
+from emovid.video import ffmpeg
+from emovid.video.encoder import encoder_arguments, write_pictures, write_video
+from emovid.video.ffmpeg import count_frames
+from emovid.video.pixel_formats import Yuv420
 from tests.helpers.mp4 import decode
 
 SIZE = (96, 64)
@@ -41,9 +41,9 @@ def use_ffmpeg(monkeypatch, tmp_path):
 
     def use(script: str) -> None:
         fake = tmp_path / "ffmpeg"
-        fake.write_text(f"#!/bin/sh\nreal='{ffmpeg()}'\n{script}\n")
+        fake.write_text(f"#!/bin/sh\nreal='{ffmpeg.executable()}'\n{script}\n")
         fake.chmod(fake.stat().st_mode | stat.S_IXUSR)
-        monkeypatch.setattr(encode, "ffmpeg", lambda: str(fake))
+        monkeypatch.setattr(ffmpeg, "executable", lambda: str(fake))
 
     return use
 
@@ -92,7 +92,7 @@ def test_a_failing_ffmpeg_leaves_the_old_file(tmp_path, use_ffmpeg, script, mess
 
 @pytest.mark.parametrize("count", [0, 100])  # nothing to take, and more than a pipe holds
 def test_an_ffmpeg_that_hangs_is_killed(tmp_path, use_ffmpeg, monkeypatch, count) -> None:
-    monkeypatch.setattr(encode, "_GRACE", 0.3)
+    monkeypatch.setattr(ffmpeg, "IDLE_TIMEOUT", 0.3)
     use_ffmpeg("exec sleep 1000 < /dev/null" if count == 0 else "exec sleep 1000")
     with pytest.raises(RenderError, match="hangs: it did nothing for"):
         write_video(count * [Yuv420(*SIZE).planes], count, encoder_arguments(*SIZE, 10), tmp_path / "x.mp4")
@@ -100,7 +100,7 @@ def test_an_ffmpeg_that_hangs_is_killed(tmp_path, use_ffmpeg, monkeypatch, count
 
 
 def test_a_missing_ffmpeg_is_named(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(encode, "ffmpeg", lambda: "/nowhere/ffmpeg")
+    monkeypatch.setattr(ffmpeg, "executable", lambda: "/nowhere/ffmpeg")
     with pytest.raises(RenderError, match=r"x\.mp4: ffmpeg cannot be started: /nowhere/ffmpeg: no such file"):
         write(tmp_path / "x.mp4")
 
@@ -109,17 +109,17 @@ def test_a_machine_without_any_ffmpeg_is_told_how_to_get_one(monkeypatch) -> Non
     def none() -> str:
         raise RuntimeError("No ffmpeg exe could be found.")
 
-    monkeypatch.setattr(encode.imageio_ffmpeg, "get_ffmpeg_exe", none)
+    monkeypatch.setattr(ffmpeg.imageio_ffmpeg, "get_ffmpeg_exe", none)
     with pytest.raises(RenderError, match="no ffmpeg found: reinstall imageio-ffmpeg, or set IMAGEIO_FFMPEG_EXE"):
-        ffmpeg.__wrapped__()  # without what it remembers
+        ffmpeg.executable.__wrapped__()  # without what it remembers
 
 
 def test_an_ffmpeg_that_cannot_be_asked_says_so(tmp_path, monkeypatch, use_ffmpeg) -> None:
-    monkeypatch.setattr(encode, "_PATIENCE", 0.1)
+    monkeypatch.setattr(ffmpeg, "RUN_TIMEOUT", 0.1)
     use_ffmpeg("exec sleep 1000")
-    with pytest.raises(RenderError, match="ffmpeg does not answer: /"):
+    with pytest.raises(RenderError, match=r"ffmpeg does not answer within 0\.1 s: /"):
         count_frames(tmp_path / "x.mp4")
-    monkeypatch.setattr(encode, "ffmpeg", lambda: "/nowhere/ffmpeg")
+    monkeypatch.setattr(ffmpeg, "executable", lambda: "/nowhere/ffmpeg")
     with pytest.raises(RenderError, match=r"^ffmpeg cannot be started: /nowhere/ffmpeg: no such file"):
         count_frames(tmp_path / "x.mp4")
 
@@ -146,8 +146,8 @@ def test_a_full_disk_is_reported(tmp_path) -> None:
     # A limit on file sizes ends ffmpeg like a full disk does, and needs no root.
     code = (
         "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000));"
-        "sys.path.insert(0, sys.argv[1]); from tests.video import test_encode; import pathlib, emovid.errors\n"
-        "try: test_encode.write(pathlib.Path(sys.argv[2]), 200)\n"
+        "sys.path.insert(0, sys.argv[1]); from tests.video import test_encoder; import pathlib, emovid.errors\n"
+        "try: test_encoder.write(pathlib.Path(sys.argv[2]), 200)\n"
         "except emovid.errors.RenderError as error: print(error); sys.exit(7)"
     )
     target = tmp_path / "x.mp4"
@@ -178,8 +178,8 @@ def test_a_folder_that_vanishes_is_reported(tmp_path) -> None:
 
 def test_what_a_killed_process_left_is_cleared(tmp_path) -> None:
     code = (
-        "import os, signal, sys; sys.path.insert(0, sys.argv[1]); from tests.video import test_encode; import pathlib\n"
-        "test_encode.write(pathlib.Path(sys.argv[2]), on_frame=lambda k: os.kill(os.getpid(), signal.SIGKILL))"
+        "import os, pathlib, signal, sys; sys.path.insert(0, sys.argv[1]); from tests.video import test_encoder\n"
+        "test_encoder.write(pathlib.Path(sys.argv[2]), on_frame=lambda k: os.kill(os.getpid(), signal.SIGKILL))"
     )
     target = tmp_path / "x.mp4"
     done = subprocess.run([sys.executable, "-c", code, str(Path(__file__).parents[2]), str(target)], check=False)

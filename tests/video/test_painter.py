@@ -11,9 +11,10 @@ from emovid.scene.video import THEMES, Colours, Overlays
 from emovid.swarm.coverage import coverage_velocity
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
-from emovid.video.draw import Painter
 from emovid.video.overlays import targets_of
-from emovid.video.robot_outlines import robot_parts, robot_rim, trailed_robots
+from emovid.video.painter import Painter
+from emovid.video.robots import robot_parts, robot_rim
+from emovid.video.trails import trailed_robots
 from tests.helpers.stages import HEXAGON, THIN, TRIANGLE, keys_of
 
 BACK = np.array([0xFA, 0xFA, 0xF7])
@@ -306,7 +307,7 @@ def test_edges_of_cells_are_as_far_from_the_two_nearest_robots(make_scene) -> No
     rows, columns = np.nonzero(difference > 100)
     at = painter.camera.metres(np.stack([columns + 0.5, 720 - rows - 0.5], axis=-1))
     inside = (np.abs(at) < [0.59, 0.39]).all(axis=1)  # not the stage's own edge
-    robots = painter._trajectory.at(np.array([1.0]))[0, :, :2]
+    robots = painter.trajectory.at(np.array([1.0]))[0, :, :2]
     distance = np.sort(np.hypot(*(at[inside, None] - robots).transpose(2, 0, 1)), axis=1)
     assert inside.sum() > 2000
     assert (distance[:, 1] - distance[:, 0]).max() * painter.camera.scale < 6  # a line of 1.3 pixels, seen from afar
@@ -316,7 +317,7 @@ def test_edges_of_cells_are_as_far_from_the_two_nearest_robots(make_scene) -> No
 @pytest.mark.parametrize("emotion", ["happiness", "disgust"])
 def test_targets_stand_where_the_robots_head_for(make_scene, emotion) -> None:
     difference, painter = shown_by(make_scene, emotion, "targets", 1.0)
-    run = painter._trajectory
+    run = painter.trajectory
     points = run.at(np.array([1.0]))[0, :, :2]
     targets = targets_of(run.scene, points, 1.0)
     if emotion == "happiness":  # r(theta) = R + A sin(6 theta), at theta_i(0) + t

@@ -1,0 +1,155 @@
+"""Trails: the robots that leave one, their paths in pieces of time, and lines on the floor in perspective."""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.path import Path
+
+from emovid.swarm.arrays import Array, Indices, Mask
+from emovid.swarm.trajectory import Trajectory
+from emovid.video.cameras import PinholeCamera
+
+PIECE = 1.0  # seconds of a trail that are drawn at once
+SHADES = 16  # steps in which a trail fades
+_INSTANT = 1e-9  # seconds: sample times nearer than this are equal
+_SMOOTH = 0.1  # turn [rad] up to which pieces share their corners: the error is a thousandth of the width
+_SHORT = 0.2  # length over width: shorter pieces would turn inside out where they share corners
+_ARC = np.linspace(0, 1, 9)  # corners of a round joint or end, from one side to the other
+_OVERLAP = 0.75  # overlap with the line that this one continues [pixels]: without it, a gap would show
+_NOWHERE = 1e-9  # m: length drawn for a line of length 0
+
+
+class Piece(NamedTuple):
+    """A part of a trail.
+
+    Attributes:
+        line: points (P, 2) [m], P > 1.
+        before: point (2,) [m] of the same trail before the line; None if the trail starts here.
+    """
+
+    line: Array
+    before: Array | None
+
+
+class Trails:
+    """The trails of a run, to be drawn piece by piece, the oldest first: where several robots have passed, each has its
+    own trail behind it.
+
+    Args:
+        trajectory: the run.
+        robots: indices of the robots that leave a trail (M,).
+        tolerance: largest deviation of a drawn line from the robots' arcs [m].
+    """
+
+    def __init__(self, trajectory: Trajectory, robots: Sequence[int] | Indices, tolerance: float) -> None:
+        self.robots = np.asarray(robots, dtype=np.intp)
+        self._traces = [trajectory.trace(int(robot), tolerance) for robot in self.robots]
+        # The robots of a frame stand at the ends of trails, and a piece starts where another one ends.
+        self.poses = lru_cache(maxsize=2 * SHADES)(lambda t: trajectory.at(np.array([t]))[0])
+
+    def pieces(self, start: float, end: float, oldest: float = 0.0) -> list[Piece]:
+        """Return the part of each trail from time `start` to `end` [s]; trails begin at the time `oldest` [s]."""
+        if end <= start:
+            return []
+        first_ends, last_ends = (self.poses(t)[self.robots, None, :2] for t in (start, end))
+        made = []
+        for (times, points), first_end, last_end in zip(self._traces, first_ends, last_ends, strict=True):
+            first, last = times.searchsorted([start + _INSTANT, end - _INSTANT])
+            earlier = times.searchsorted(start - _INSTANT) - 1
+            before = points[earlier] if start > oldest and earlier >= 0 else None
+            made.append(Piece(np.concatenate([first_end, points[first:last], last_end]), before))
+        return made
+
+
+def trailed_robots(robots: int, trails: int | None) -> Indices:
+    """Return the robots that leave a trail: `trails` of them, evenly spread through the swarm; all for None."""
+    count = robots if trails is None else min(robots, trails)
+    return np.arange(count) * robots // max(count, 1)
+
+
+def piece_times(since: float, until: float) -> list[float]:
+    """Return the times [s] that cut a trail into pieces: both ends, and the multiples of `PIECE` between them."""
+    inner = PIECE * np.arange(np.floor(since / PIECE) + 1, np.ceil(until / PIECE))
+    return [since, *inner.tolist(), until] if until > since else []
+
+
+class Ribbon(NamedTuple):
+    """A line with a width, as the camera sees it.
+
+    Attributes:
+        path: its outline [pixels], of pieces that all run counter-clockwise, so that overlaps stay filled.
+        low, high: corners of boxes (B, 2) that together hold it [pixels].
+    """
+
+    path: Path
+    low: Array
+    high: Array
+
+
+def ribbon(camera: PinholeCamera, line: Array, width: float, before: Array | None = None, group: int = 8) -> Ribbon:
+    """Return a line on the floor as the camera sees it, foreshortened, with round joints.
+
+    Its pieces hardly overlap: with overlaps, a line thinner than a pixel would look bolder.
+
+    Args:
+        camera: of the view.
+        line: points (P, 2) [m], P > 1.
+        width: [m].
+        before: a point (2,) [m] of the line that this one continues; without one, both its ends are round.
+        group: number of pieces that share a box.
+    """
+    points = line[np.concatenate([[True], np.diff(line, axis=0).any(axis=1)])]
+    if len(points) == 1:
+        points = np.concatenate([points, points + np.array([_NOWHERE, 0.0])])
+    joined = before is not None and bool((before != points[0]).any())
+    if before is not None and joined:
+        back = before - points[0]
+        points = np.concatenate([[points[0] + back * min(_OVERLAP / camera.scale / np.hypot(*back), 1)], points])
+    along = np.diff(points, axis=0)
+    length = np.hypot(along[:, 0], along[:, 1])
+    normal = along[:, ::-1] * [-1, 1] / length[:, None]
+    starts, ends, smooth = _mitred(normal, length, width)
+    aside = width / 2 * normal
+    first, last = points[:-1], points[1:]
+    strips = np.stack([first - starts, last - ends, last + ends, first + starts], axis=1)
+    if joined:
+        smooth[0] = False
+    wedges = _joints(points[1:-1], aside)[~smooth]
+    if before is None:
+        caps = _wedges(points[[0, -1]], aside[[0, -1]] * [[1], [-1]], np.full(2, np.pi))
+        wedges = np.concatenate([caps[:1], wedges, caps[1:]])
+    pieces = [camera.pixels(rings) for rings in (strips, wedges) if len(rings)]
+    low = [np.minimum.reduceat(rings.min(axis=1), np.arange(0, len(rings), group)) for rings in pieces]
+    high = [np.maximum.reduceat(rings.max(axis=1), np.arange(0, len(rings), group)) for rings in pieces]
+    path = Path.make_compound_path(*(Path.make_compound_path_from_polys(rings) for rings in pieces))
+    return Ribbon(path, np.concatenate(low), np.concatenate(high))
+
+
+def _mitred(normal: Array, length: Array, width: float) -> tuple[Array, Array, Mask]:
+    """Return the offsets to the left at the start and the end of pieces (S, 2), and the joints (S - 1,) closed by them.
+
+    Where a line hardly turns, as in an arc of many pieces, neighbours share their corners.
+    """
+    cos = (normal[:-1] * normal[1:]).sum(axis=1)
+    long = length > _SHORT * width
+    smooth = (cos > np.cos(_SMOOTH)) & long[:-1] & long[1:]
+    middle = (normal[:-1] + normal[1:]) / (1 + np.where(smooth, cos, 0.0))[:, None]
+    starts, ends = normal.copy(), normal.copy()
+    starts[1:][smooth] = ends[:-1][smooth] = middle[smooth]
+    return width / 2 * starts, width / 2 * ends, smooth
+
+
+def _joints(points: Array, aside: Array) -> Array:
+    """Return the wedges on the outer side of joints between pieces (J, C, 2)."""
+    angle = np.arctan2(aside[:, 1], aside[:, 0])
+    turn = (np.diff(angle) + np.pi) % (2 * np.pi) - np.pi
+    return _wedges(points, np.where((turn > 0)[:, None], -aside[:-1], aside[1:]), np.abs(turn))
+
+
+def _wedges(points: Array, first: Array, angles: Array) -> Array:
+    """Return sectors of circles (J, C, 2) about points (J, 2), counter-clockwise from the radius `first` (J, 2)."""
+    cos, sin = np.cos(angles[:, None] * _ARC), np.sin(angles[:, None] * _ARC)
+    x, y = first[:, :1] * cos - first[:, 1:] * sin, first[:, :1] * sin + first[:, 1:] * cos
+    return np.concatenate([points[:, None], points[:, None] + np.stack([x, y], axis=-1)], axis=1)
