@@ -14,7 +14,7 @@ from scipy.spatial import Voronoi
 
 from emovid.scene.behaviour import Coverage, Gaussian, Uniform
 from emovid.scene.stage import Rectangle
-from emovid.swarm.coverage import coverage_velocity
+from emovid.swarm.laws import coverage_velocity
 
 try:
     import shapely

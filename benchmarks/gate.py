@@ -4,8 +4,8 @@ import os
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
-from emovid.measure.claim_metrics import evidence
 from emovid.measure.claims import Verdict, judge
+from emovid.measure.describe import claim_metrics
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, load_scene
 from emovid.swarm.simulate import simulate
@@ -17,7 +17,7 @@ MARGIN = 1.05
 def verdicts(seed: int) -> list[Verdict]:
     """Return the verdicts on the shipped scenes with another seed."""
     keys = [Setting("seed", seed, "--seed")]
-    return judge({name: evidence(simulate(load_scene(name, keys))) for name in EMOTIONS})
+    return judge({name: claim_metrics(simulate(load_scene(name, keys))) for name in EMOTIONS})
 
 
 def main() -> None:

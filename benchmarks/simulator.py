@@ -24,7 +24,7 @@ from processes import Cost, cost
 from emovid.scene.behaviour import Coverage, Gaussian
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import load_scene
-from emovid.swarm.coverage import coverage_velocity
+from emovid.swarm.laws import coverage_velocity
 from emovid.swarm.simulate import simulate
 
 ROUNDS = 9

@@ -14,7 +14,7 @@ from typer import Context
 from typer.cli import get_docs_for_click
 
 from emovid.cli.main import all_commands
-from emovid.scene.schema import scene_schema
+from emovid.scene.load import scene_schema
 
 ROOT = Path(__file__).parent.parent
 GALLERY = ROOT / "figures" / "gallery.html"

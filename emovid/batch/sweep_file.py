@@ -11,10 +11,9 @@ import numpy as np
 
 from emovid.batch.job import Kind
 from emovid.errors import SourceError, nearest
-from emovid.scene.load import Setting, scene_keys, shipped_names
+from emovid.scene.load import Setting, read_robot, scene_keys, shipped_names
 from emovid.scene.picture import read_pictures
 from emovid.scene.resources import CONFIGS, read_text
-from emovid.scene.robot_files import read_robot
 from emovid.yaml_source import KeyPath, Places, place_of, read_yaml
 
 KEYS = ("only", "scenes", "set", "list", "grid", "seeds")

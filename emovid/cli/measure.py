@@ -60,8 +60,8 @@ def measure(
     · emovid measure fear.npz --only cusps,cost
     """
     from emovid.cli.progress import listing
-    from emovid.measure.claim_metrics import evidence
     from emovid.measure.claims import excepted, judge
+    from emovid.measure.describe import claim_metrics
     from emovid.scene.emotions import EMOTIONS
 
     every = every or (gate and not sources)
@@ -79,7 +79,7 @@ def measure(
     measured = {}
     with listing(len(chosen), quiet=quiet or as_json) as done:
         for source, run in zip(chosen, runs, strict=True):
-            measured[source] = evidence(run.trajectory())
+            measured[source] = claim_metrics(run.trajectory())
             done(source)
     of_emotion = dict(zip(map(str, emotions), measured.values(), strict=True))
     motors = all(run.scene.robot.limits for run in runs)

@@ -49,7 +49,7 @@ def robots(as_json: Json = False) -> None:
 
     Example: emovid scene robots
     """
-    from emovid.scene.robot_files import load_robot, shipped_robots
+    from emovid.scene.load import load_robot, shipped_robots
 
     bodies = [load_robot(name) for name in shipped_robots()]
     if as_json:
@@ -87,10 +87,10 @@ def check(scene: Scene, assignments: Set = None, seed: Seed = None, as_json: Jso
 
     from emovid.scene.load import load_scene, scene_digest
     from emovid.swarm.simulate import simulate
-    from emovid.swarm.summary import summarise
+    from emovid.swarm.summary import summarize
 
     checked = load_scene(scene, settings(assignments, seed))
-    found = summarise(simulate(checked))
+    found = summarize(simulate(checked))
     if as_json:
         typer.echo(json.dumps({"scene": scene, "scene_digest": scene_digest(checked), **asdict(found)}, indent=2))
         return
@@ -138,7 +138,7 @@ def schema() -> None:
 
     Example: emovid scene schema > emovid.schema.json
     """
-    from emovid.scene.schema import scene_schema
+    from emovid.scene.load import scene_schema
 
     typer.echo(json.dumps(scene_schema(), indent=2))
 

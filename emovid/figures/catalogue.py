@@ -28,7 +28,7 @@ from emovid.figures.study import answers_of, placed_answers_of, recognition_of
 from emovid.figures.style import DOUBLE_COLUMN, FORMATS, SINGLE_COLUMN, encoded
 from emovid.figures.tables import table_figure, table_latex, table_markdown
 from emovid.scene.emotions import EMOTIONS
-from emovid.scene.robot_files import load_robot
+from emovid.scene.load import load_robot
 
 WIDTHS = {"one-column": SINGLE_COLUMN, "two-column": DOUBLE_COLUMN}  # in
 TEXTS: Mapping[str, Callable[[Table], str]] = MappingProxyType({"tex": table_latex, "md": table_markdown})

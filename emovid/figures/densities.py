@@ -15,8 +15,8 @@ from emovid.figures.top_view import LINE, columns_of, stage_panels, write_below
 from emovid.scene.behaviour import Coverage
 from emovid.scene.model import Scene
 from emovid.swarm.arrays import Array
-from emovid.swarm.coverage import corners_of, coverage_velocity
 from emovid.swarm.densities import density_of
+from emovid.swarm.laws import corners_of, coverage_velocity
 from emovid.swarm.start import start_poses
 
 _COLOURS = LinearSegmentedColormap.from_list("density", matplotlib.colormaps["Blues"](np.linspace(0, 0.48, 64)))

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from emovid.figures.style import INK, SINGLE_COLUMN, in_style
 from emovid.figures.top_view import LINE, PAPER, draw_lines, draw_robots, panels, write_below
-from emovid.scene.robot_files import load_robot
+from emovid.scene.load import load_robot
 from emovid.swarm.arrays import Array
 from emovid.swarm.unicycle import look_ahead, move, near_identity
 

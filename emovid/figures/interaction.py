@@ -27,8 +27,7 @@ from emovid.figures.top_view import (
 )
 from emovid.scene.behaviour import Coverage
 from emovid.swarm.arrays import Array, Indices
-from emovid.swarm.contours import followed_points, start_angles
-from emovid.swarm.coverage import corners_of
+from emovid.swarm.laws import corners_of, followed_points, start_angles
 from emovid.swarm.trajectory import Trajectory
 from emovid.swarm.unicycle import wrapped
 from emovid.swarm.voronoi import voronoi_cells

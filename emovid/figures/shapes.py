@@ -14,7 +14,7 @@ from emovid.figures.top_view import LINE, columns_of, stage_panels, write_below
 from emovid.scene.behaviour import CircularSinusoid, Contour, Coverage, ExpandingCircle
 from emovid.scene.model import Scene
 from emovid.swarm.arrays import Array
-from emovid.swarm.contours import followed_points, radius, start_angles
+from emovid.swarm.laws import followed_points, radius, start_angles
 from emovid.swarm.trajectory import Trajectory
 
 AGENT, TARGET, ARROW = "#c0281f", INK, "#1f6fb4"

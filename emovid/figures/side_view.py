@@ -14,7 +14,7 @@ from emovid.figures.schematic import scale_of
 from emovid.figures.top_view import body_colours, panels, print_colours, slices
 from emovid.scene.model import Scene
 from emovid.swarm.arrays import Array
-from emovid.swarm.coverage import corners_of
+from emovid.swarm.laws import corners_of
 from emovid.swarm.trajectory import Trajectory
 from emovid.video.cameras import PinholeCamera
 from emovid.video.robots import RobotColours, robot_solids

@@ -17,7 +17,7 @@ from emovid.scene.robots import Body
 from emovid.scene.stage import Stage
 from emovid.scene.video import THEMES, Colours
 from emovid.swarm.arrays import Array
-from emovid.swarm.coverage import corners_of
+from emovid.swarm.laws import corners_of
 from emovid.swarm.trajectory import Trajectory
 from emovid.video.robots import robot_parts, robot_rim
 from emovid.video.trails import trailed_robots

@@ -20,7 +20,7 @@ from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, load_scene, scene_digest
 from emovid.scene.model import Scene
 from emovid.scene.resources import read_text
-from emovid.scene.validation_messages import complaint
+from emovid.scene.validation_messages import source_error
 from emovid.swarm.simulate import check_start
 from emovid.yaml_source import KeyPath, Places, place_of, read_yaml
 
@@ -83,7 +83,7 @@ def load_study(source: Path) -> LoadedStudy:
     try:
         study = Study.model_validate(values)
     except ValidationError as error:
-        raise complaint(error, places, Study) from None
+        raise source_error(error, places, Study) from None
     exemplars = tuple(_exemplars(study, path, places))
     _check_one_of_each(study, exemplars, places)
     return LoadedStudy(path, study, exemplars)

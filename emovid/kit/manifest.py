@@ -14,7 +14,7 @@ from emovid.kit.folders import KitFolder
 from emovid.kit.orders import Scheme
 from emovid.kit.study import Consent, Ethics, Question, Rating, Study, Texts, Thanks
 from emovid.scene.fields import Keys
-from emovid.scene.validation_messages import complaint
+from emovid.scene.validation_messages import source_error
 
 
 class Video(Keys):
@@ -155,7 +155,7 @@ def read_manifest(path: Path) -> tuple[Manifest, list[str]]:
         except ValidationError as error:
             extra = [item["loc"] for item in error.errors() if item["type"] == "extra_forbidden"]
             if not extra:
-                raise InputError(str(complaint(error, {(): str(path)}, Manifest))) from None
+                raise InputError(str(source_error(error, {(): str(path)}, Manifest))) from None
             for location in extra:
                 unknown.append(".".join(map(str, location)))
                 _without(data, location)

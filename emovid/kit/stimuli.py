@@ -15,7 +15,7 @@ from emovid.kit.study import Look, Vary
 from emovid.kit.symmetry import can_half_turn, can_mirror, can_turn, mirrored, turned
 from emovid.scene.behaviour import ContourKeys
 from emovid.scene.model import Scene
-from emovid.scene.start import AtRandom
+from emovid.scene.stage import AtRandom
 from emovid.scene.video import OwnColours
 from emovid.swarm.simulate import check_start, simulate
 from emovid.swarm.trajectory import Trajectory

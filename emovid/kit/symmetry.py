@@ -10,8 +10,7 @@ import numpy as np
 
 from emovid.scene.behaviour import ContourKeys
 from emovid.scene.model import Scene
-from emovid.scene.stage import StageKeys
-from emovid.scene.start import OnContour
+from emovid.scene.stage import OnContour, StageKeys
 from emovid.swarm.arrays import Array
 from emovid.swarm.trajectory import Trajectory
 from emovid.swarm.unicycle import wrapped

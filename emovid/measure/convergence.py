@@ -1,24 +1,21 @@
-"""How near a coverage behaviour is to its end, and how its robots pass the centroids that they head for.
+"""Progress of a coverage behaviour towards its end, and how far robots overshoot the centroids they head for.
 
 The cost of a configuration is the locational cost H = sum_i of the integral over V_i of |q - p_i|^2 phi(q) dq
 (J. Cortés, S. Martínez, T. Karatas and F. Bullo, "Coverage control for mobile sensing networks", IEEE Trans. Robot.
-Autom. 20(2), 2004), over the density's mass: the mean square distance of the mass from its robot, whatever the scale of
-phi. Its converged value is where the swarm would come to rest: Lloyd's iteration, with steps to the centroids, from the
-window's end.
+Autom. 20(2), 2004) over the density's mass: the mean square distance of the mass from its robot, independent of the
+scale of phi. Its converged value is the cost at which Lloyd's iteration, started at the window's end, settles.
 """
 
 import numpy as np
 
-from emovid.measure.descriptor import Descriptor
-from emovid.measure.window import Window
+from emovid.measure.window import Descriptor, Window
 from emovid.scene.behaviour import Coverage
 from emovid.swarm.arrays import Array
-from emovid.swarm.coverage import corners_of, locational_cost, mass_and_centroid
 from emovid.swarm.densities import Density, density_of
+from emovid.swarm.laws import corners_of, lloyd, locational_cost, mass_and_centroid
 
-_MOST_STEPS = 200
-_CONVERGED = 1e-6  # of the cost: the least that a step must take off it
-_MOST_PERIODS = 60  # looked at for overshoot
+_CONVERGED = 1e-6  # of the cost: the smallest gain for which Lloyd's iteration goes on
+_MAX_PERIODS = 60  # examined for overshoot
 
 _COST = "locational cost of Cortés et al. 2004, over the density's mass"
 
@@ -30,7 +27,7 @@ CONVERGENCE = (
     Descriptor(
         "cost_converged",
         "m^2",
-        "the same where Lloyd's iteration ends, from the window's end: when a step takes off less than a millionth of "
+        "the same where Lloyd's iteration ends, from the window's end: when a step gains less than a millionth of "
         "cost_end, or after 200 steps",
         _COST,
     ),
@@ -47,25 +44,25 @@ CONVERGENCE = (
 
 
 def convergence(window: Window) -> dict[str, float]:
-    """Return the descriptors of convergence; NaN for behaviours that cover no density."""
+    """Return the descriptors of convergence; NaN for behaviours without a density."""
     scene = window.trajectory.scene
     if not isinstance(scene.behaviour, Coverage):
         return {descriptor.name: float("nan") for descriptor in CONVERGENCE}
     corners, density = corners_of(scene.stage), density_of(scene.behaviour.density, scene.stage)
     first, last = window.points(np.array([window.start, window.end]))
     start, end = (mean_cost(points, corners, density) for points in (first, last))
-    converged = mean_cost(lloyd(last, corners, density, _CONVERGED * end), corners, density)
+    converged = mean_cost(lloyd(last, corners, density, gain=_CONVERGED * end), corners, density)
     past = past_centroids(window, corners, density)
     passes = past > window.step
-    to_do, nothing = start - converged, float("nan")
+    gain, undefined = start - converged, float("nan")
     return {
         "cost_start": start,
         "cost_end": end,
         "cost_converged": converged,
         "cost_ratio": end / converged,
-        "cost_progress": (start - end) / to_do if to_do > _CONVERGED * start else nothing,
-        "overshoot_share": float(passes.mean()) if passes.size else nothing,
-        "overshoot_mean": float(past[passes].mean()) if passes.any() else 0.0 if passes.size else nothing,
+        "cost_progress": (start - end) / gain if gain > _CONVERGED * start else undefined,
+        "overshoot_share": float(passes.mean()) if passes.size else undefined,
+        "overshoot_mean": float(past[passes].mean()) if passes.any() else 0.0 if passes.size else undefined,
     }
 
 
@@ -75,27 +72,13 @@ def mean_cost(points: Array, corners: Array, density: Density) -> float:
     return locational_cost(points, corners, density) / float(mass)
 
 
-def lloyd(points: Array, corners: Array, density: Density, least: float) -> Array:
-    """Return the points (N, 2) [m] that Lloyd's iteration settles in: each goes to its centroid, all at once.
-
-    It ends when a step would take less than `least` [m^2] off the mean cost of the cells as they are, or after 200
-    steps.
-    """
-    for _ in range(_MOST_STEPS):
-        mass, centroid = mass_and_centroid(points, corners, density)
-        if mass @ np.sum((centroid - points) ** 2, axis=1) < least * mass.sum():  # the parallel axis theorem
-            break
-        points = centroid
-    return points
-
-
 def past_centroids(window: Window, corners: Array, density: Density) -> Array:
     """Return how far [m] robots get past the centroids they head for, (periods, N), negative if they stay short."""
     trajectory, held = window.trajectory, window.trajectory.scene.steps_held
     samples = np.arange(0, len(trajectory.t), held)  # a barrier's own steps are parts of a control period
     ends = trajectory.t[samples]
     whole = np.flatnonzero((ends[:-1] >= window.start - 1e-9) & (ends[1:] <= window.end + 1e-9))
-    evenly = np.linspace(0, len(whole) - 1, min(len(whole), _MOST_PERIODS)).round().astype(int)
+    evenly = np.linspace(0, len(whole) - 1, min(len(whole), _MAX_PERIODS)).round().astype(int)
     past = []
     for period in whole[evenly]:
         before, after = trajectory.poses[samples[period : period + 2], :, :2]

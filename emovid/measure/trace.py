@@ -1,14 +1,14 @@
-"""How angular the robots' traces are, as one who watches their positions sees them.
+"""Angularity of the robots' traces, as an observer of their positions sees it.
 
-A robot's commands can turn far more than its trace: it spins on the spot, or shuttles by micrometres. So a trace is
-first walked along with dividers set to the visible step: each step ends where the path first leaves the circle about
-the step's start. What stays within a circle is not seen, and the steps are the same whatever the control period or the
-frame rate. This is the rediscretised path of P. Bovet and S. Benhamou, "Spatial analysis of animals' movements using a
-correlated random walk model", J. Theor. Biol. 131(4), 1988, and all turning is between its steps.
+A robot's commands can turn far more than its trace: it may spin on the spot, or shuttle by micrometers. So dividers set
+to the visible step first walk along the trace: each step ends where the path first leaves the circle about the step's
+start. Motion within a circle does not count, and the steps do not depend on the control period or the frame rate. This
+is the rediscretised path of P. Bovet and S. Benhamou, "Spatial analysis of animals' movements using a correlated random
+walk model", J. Theor. Biol. 131(4), 1988. All turning is turning between its steps.
 
 The step is a sixth of the body's width (`Window.step`). A corner turns by more than 60 degrees within two steps, a
-third of a body: a curve does as much only if its radius is below a third of the body, too tight to look round. A corner
-reaches half a body along the trace to either side: as far as the body on it covers.
+third of a body: a curve turns as much only if its radius is below a third of the body, too tight to look round. A
+corner reaches half a body along the trace to either side: the length that a body on it covers.
 """
 
 from math import hypot, radians, sqrt
@@ -16,8 +16,7 @@ from math import hypot, radians, sqrt
 import numpy as np
 from scipy.ndimage import binary_dilation
 
-from emovid.measure.descriptor import Descriptor
-from emovid.measure.window import Window
+from emovid.measure.window import Descriptor, Window
 from emovid.swarm.arrays import Array, Mask
 
 _SOURCE = "on the rediscretised path of Bovet and Benhamou 1988"
@@ -44,10 +43,10 @@ TRACE = (
     Descriptor("cusps_per_second", "1/s", "cusps over the window's length", _SOURCE),
 )
 
-_DETAIL = 1 / 200  # of a visible step: how far the polylines that are walked stray from the exact arcs
-_SWING = radians(15)  # the steps along a straight zigzag 0.6 mm wide swing by less
+_DETAIL = 1 / 200  # of a visible step: largest distance of the polylines from the exact arcs
+_SWING = radians(15)  # steps along a straight zigzag 0.6 mm wide swing by less
 _CORNER = radians(60)
-_CUSP = radians(120)  # a tip of less than 30 degrees turns one pair of steps by more, wherever the steps fall
+_CUSP = radians(120)  # a tip of less than 30 degrees turns one pair of steps by more, wherever the steps start
 _REACH = 3  # steps: half a body
 
 
@@ -61,14 +60,14 @@ def trace(window: Window) -> dict[str, float]:
     cusps = sum(int(np.sum(np.abs(turn) > _CUSP)) for turn in turned)
     sharp = sum(int(near_corner(turn).sum()) for turn in turned)
     length = steps * window.step
-    nothing = float("nan")
+    undefined = float("nan")
     return {
         "trace_length": length / robots,
-        # The first and the last half step have no turn: a circle's is 1 / r whatever the length.
-        "turning_per_metre": sum(map(turning, turned)) / (between * window.step) if between else nothing,
-        "sharp_corner_share": sharp / steps if between else nothing,
+        # The first and the last half step have no turn: this gives 1 / r for a circle of any length.
+        "turning_per_metre": sum(map(turning, turned)) / (between * window.step) if between else undefined,
+        "sharp_corner_share": sharp / steps if between else undefined,
         "cusps": cusps / robots,
-        "cusps_per_metre": cusps / length if between else nothing,
+        "cusps_per_metre": cusps / length if between else undefined,
         "cusps_per_second": cusps / robots / window.length,
     }
 
@@ -112,10 +111,10 @@ def turning(turned: Array) -> float:
     """Return the total turning [rad] of successive turns (L - 1,): the direction's swings to and fro, added up.
 
     A swing of less than 15 degrees belongs to the one that it interrupts: steps along a straight line with a fine
-    zigzag turn all the time, by little, and get nowhere.
+    zigzag turn all the time, by little, without a change of direction.
     """
     total = low = high = 0.0  # the swing under way is from low to high or back
-    way = 0  # 1: to high, -1: to low, 0: not known yet
+    way = 0  # 1: to high, -1: to low, 0: not yet known
     for direction in np.cumsum(turned).tolist():
         if way >= 0:
             high = max(high, direction)

@@ -1,28 +1,47 @@
-"""What is measured: a part of a run, seen at stated scales of length and time.
+"""The part of a run that is measured, its stage, and the descriptors of quantities that change with time.
 
-Nothing here depends on the video. What an observer can tell apart goes with the robot's body, the one thing on the
-stage whose size is known: a scene three times as large, robots and all, has the same corners.
+Nothing depends on the video. The smallest detail that counts scales with the robot's body: a scene that is three times
+as large, robots included, has the same corners.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial.distance import pdist
 
 from emovid.errors import InputError
-from emovid.measure.descriptor import Descriptor
-from emovid.swarm.arrays import Array
+from emovid.swarm.arrays import Array, Mask
+from emovid.swarm.laws import corners_of
 from emovid.swarm.trajectory import Trajectory
 
-# A visible step, as a share of the body's width: 5 mm of a GRITSBot's 30 mm, about the 4 mm of a shipped trail and five
-# pixels of a shipped video. Half and twice as much tell the smooth scenes from the angular ones as clearly.
+# A visible step as a share of the body's width: 5 mm for the 30 mm of a GRITSBot, which is about the width of a trail
+# (4 mm) and five pixels of a shipped video. Half and twice this value separate smooth and angular scenes as clearly.
 _STEP = 1 / 6
 
 _STILL = 60.0  # s; a robot that needs longer for a visible step stands still
+_INTERVAL = 0.1  # s; between samples of the whole swarm
+_MAX_SAMPLES = 300
+
+
+class Descriptor(NamedTuple):
+    """One row of docs/descriptors.md.
+
+    Attributes:
+        name: key of the value, in snake_case.
+        unit: an SI unit, "diagonals" of the stage, "share" of a whole, or "1" for a number without a unit.
+        definition: in words; over all robots and the window unless it says otherwise.
+        source: who defined it; "" for a plain mean or count.
+    """
+
+    name: str
+    unit: str
+    definition: str
+    source: str = ""
+
 
 WINDOW = (Descriptor("window", "s", "length of the part of the run that is measured"),)
-
-_INTERVAL = 0.1  # s; between looks at the swarm as a whole
-_MOST_LOOKS = 300
 
 
 @dataclass(frozen=True)
@@ -50,32 +69,48 @@ class Window:
 
     @property
     def seconds(self) -> Array:
-        """How much of each control period lies in the window, (T-1,) [s]."""
-        t = np.clip(self.trajectory.t, self.start, self.end)
-        return np.diff(t)
+        """Time of each control period that lies in the window, (T-1,) [s]."""
+        return np.diff(np.clip(self.trajectory.t, self.start, self.end))
 
     @property
     def step(self) -> float:
-        """The visible step [m]: detail of a trace that is smaller is not seen."""
+        """The visible step [m]: smaller detail of a trace does not count."""
         return self.trajectory.scene.robot.body.width * _STEP
 
     @property
     def still(self) -> float:
-        """The speed [m/s] below which a robot stands still: a visible step a minute."""
+        """Speed [m/s] below which a robot stands still: one visible step a minute."""
         return self.step / _STILL
 
+    @cached_property
+    def stage(self) -> "StageGeometry":
+        """Measures of the stage."""
+        corners = corners_of(self.trajectory.scene.stage)
+        following = np.roll(corners, -1, axis=0)
+        doubled = corners[:, 0] * following[:, 1] - following[:, 0] * corners[:, 1]  # of triangles with the origin
+        centre = np.sum(doubled[:, None] * (corners + following), axis=0) / (3 * doubled.sum())
+        return StageGeometry(float(doubled.sum() / 2), float(pdist(corners).max()), centre)
+
     def times(self) -> Array:
-        """Return the even times (F,) [s] from start to end at which the swarm is looked at as a whole: two or more."""
-        looks = max(round(self.length / _INTERVAL), 1) + 1
-        return np.linspace(self.start, self.end, min(looks, _MOST_LOOKS))
+        """Return the even sample times (F,) [s] of the whole swarm from start to end, two or more."""
+        samples = max(round(self.length / _INTERVAL), 1) + 1
+        return np.linspace(self.start, self.end, min(samples, _MAX_SAMPLES))
 
     def points(self, times: Array) -> Array:
-        """Return where the robots are, (F, N, 2) [m]."""
+        """Return the positions of the robots at `times` (F,) [s], (F, N, 2) [m]."""
         return self.trajectory.at(times)[..., :2]
 
 
+class StageGeometry(NamedTuple):
+    """Area [m^2], diagonal (the largest distance of two corners) [m] and centroid (2,) [m] of a stage."""
+
+    area: float
+    diagonal: float
+    centre: Array
+
+
 def window_of(trajectory: Trajectory, start: float = 0.0, end: float | None = None) -> Window:
-    """Return the window; without an `end`, to the scene's last snapshot or else the end of its run [s].
+    """Return the window; without an `end`, up to the scene's last snapshot, else up to the end of the run [s].
 
     Raises:
         InputError: if it is empty or not within the run.
@@ -85,3 +120,33 @@ def window_of(trajectory: Trajectory, start: float = 0.0, end: float | None = No
         times = trajectory.scene.snapshot_times
         end = min(times[-1], last) if times else last
     return Window(trajectory, start, end)
+
+
+def series(name: str, unit: str, definition: str, source: str = "") -> tuple[Descriptor, ...]:
+    """Return the four descriptors of a quantity that changes with time."""
+    return (
+        Descriptor(f"{name}_mean", unit, f"{definition}; mean over time", source),
+        Descriptor(f"{name}_start", unit, f"{definition}, at the window's start", source),
+        Descriptor(f"{name}_end", unit, f"{definition}, at its end", source),
+        Descriptor(
+            f"{name}_growth", "1/s", f"slope of the least-squares line through {name} in time, over its mean", source
+        ),
+    )
+
+
+def series_values(name: str, times: Array, values: Array) -> dict[str, float]:
+    """Return the values of the descriptors of `series`, from `values` (F,) at even `times` (F,) [s]."""
+    mean = float(values.mean())
+    since = times - times.mean()
+    slope = float(since @ values / (since @ since))
+    return {
+        f"{name}_mean": mean,
+        f"{name}_start": float(values[0]),
+        f"{name}_end": float(values[-1]),
+        f"{name}_growth": slope / mean if mean != 0 else float("nan"),
+    }
+
+
+def mean_where(values: Array, defined: Mask) -> float:
+    """Return the mean of the values that are defined, NaN if none is."""
+    return float(values[defined].mean()) if defined.any() else float("nan")

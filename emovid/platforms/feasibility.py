@@ -20,7 +20,7 @@ from emovid.scene.behaviour import Coverage
 from emovid.scene.model import Scene
 from emovid.swarm.arrays import Array, Mask
 from emovid.swarm.clearance import farthest_advance, room_on_stage
-from emovid.swarm.contours import followed_points, start_angles
+from emovid.swarm.laws import followed_points, start_angles
 from emovid.swarm.summary import closest_approach
 from emovid.swarm.trajectory import Trajectory
 from emovid.swarm.unicycle import look_ahead

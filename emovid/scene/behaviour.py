@@ -10,7 +10,7 @@ MAX_PARTS = 64
 
 
 class ContourKeys(Keys):
-    """What the laws of all contours have."""
+    """Keys of all contours."""
 
     law: Literal["contour"] = Field(description="follow a point that runs along a contour")
     angular_rate: float = Field(ge=-100, le=100, description="rate of the followed point about the centre [rad/s]")
@@ -28,7 +28,7 @@ class CircularSinusoid(ContourKeys):
     shape: Literal["circular_sinusoid"] = Field(description="a circle with a sinusoid superimposed")
     R: Length = Field(description="radius of the main circle [m]")
     A: Annotated[float, Field(ge=0, le=MAX_LENGTH)] = Field(description="amplitude of the sinusoid [m], below R")
-    f: Annotated[int, Field(ge=1, le=100)] = Field(description="ripples around the circle; the paper's is 6")
+    f: Annotated[int, Field(ge=1, le=100)] = Field(description="number of ripples around the circle; 6 in the paper")
 
     @property
     def extent(self) -> float:
@@ -39,7 +39,7 @@ class ExpandingCircle(ContourKeys):
     """Surprise, Appendix A: R(t) = mod(expansion_rate t, R_max - R_min) + R_min."""
 
     shape: Literal["expanding_circle"] = Field(description="a circle that grows from R_min to R_max, again and again")
-    R_min: Length = Field(description="radius it starts from [m]")
+    R_min: Length = Field(description="radius at the start [m]")
     R_max: Length = Field(description="radius at which it starts again [m], above R_min")
     expansion_rate: Annotated[float, Field(gt=0, le=100)] = Field(description="growth of the radius [m/s]")
 
@@ -84,14 +84,14 @@ class Gaussian(Keys):
 
 
 class Image(Keys):
-    """A density drawn by hand: a grey-scale picture over the upright rectangle around the stage."""
+    """A density drawn by hand: a gray-scale picture over the upright rectangle around the stage."""
 
     kind: Literal["image"] = Field(description="a picture: darker is denser, white is nothing")
     file: Annotated[str, Field(min_length=1, max_length=1000)] = Field(
-        description="the picture, a PNG; where it is, from the scene's file"
+        description="the picture, a PNG; relative to the scene's file"
     )
-    smoothing: Length = Field(description="standard deviation of the Gaussian that it is smoothed with [m]")
-    pixels: str | None = Field(None, description="what was read from the file, kept with the scene; null: it is read")
+    smoothing: Length = Field(description="standard deviation of the Gaussian that smooths it [m]")
+    pixels: str | None = Field(None, description="contents of the file, kept with the scene; null: read from the file")
 
 
 Basic = Uniform | Boundary | Gaussian | Image
@@ -101,9 +101,10 @@ class Part(Keys):
     """One density of a sum."""
 
     weight: Annotated[float, Field(gt=0, le=1e6)] = Field(
-        1.0, description="that it is multiplied with; uniform is 1, as are a peak, the crest of a ridge and black"
+        1.0,
+        description="factor of the density, which is 1 where uniform, at a peak, on a crest and for black",
     )
-    density: Annotated[Basic, Field(discriminator="kind")] = Field(description="any but a sum")
+    density: Annotated[Basic, Field(discriminator="kind")] = Field(description="any density but a sum")
 
 
 class Sum(Keys):
@@ -111,7 +112,7 @@ class Sum(Keys):
 
     kind: Literal["sum"] = Field(description="several densities, added")
     parts: Annotated[tuple[Part, ...], Field(strict=False, min_length=1, max_length=MAX_PARTS)] = Field(
-        description="what is added"
+        description="the terms of the sum"
     )
 
 
@@ -124,9 +125,9 @@ class Coverage(Keys):
     law: Literal["coverage"] = Field(description="spread over a density: u = kappa (c - p)")
     kappa: Annotated[float, Field(gt=0, le=1000)] = Field(description="proportional gain [1/s]")
     u_max: Annotated[float, Field(gt=0, le=1000)] | None = Field(
-        None, description="cap on |u| [m/s]; null is the paper's law without one"
+        None, description="cap on |u| [m/s]; null: the paper's law, without a cap"
     )
-    density: Annotated[AnyDensity, Field(discriminator="kind")] = Field(description="where the robots gather")
+    density: Annotated[AnyDensity, Field(discriminator="kind")] = Field(description="density that the robots cover")
     separation: Annotated[float, Field(ge=0, le=1)] | None = Field(
         None,
         description="clearance [m] kept between bodies: v is cut where the body would leave its own Voronoi cell; "

@@ -1,20 +1,19 @@
-"""What two scenes say differently."""
+"""Differences between two scenes."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 from emovid.scene.model import Scene
 
-ABSENT = object()  # in the place of a key's value: that scene has no such key
+ABSENT = object()  # in place of a value: the scene has no such key
 
 
 class Difference(NamedTuple):
-    """One key that two scenes give other values; one of the values is ABSENT if only the other has the key.
+    """A key with different values in two scenes; the value is ABSENT in a scene without the key.
 
     Attributes:
-        key: dotted, as options replace it.
-        first: the value in the one scene.
-        second: the value in the other.
+        key: dotted, as in options.
+        first, second: the values in the two scenes.
     """
 
     key: str
@@ -25,14 +24,14 @@ class Difference(NamedTuple):
 def differences(first: Scene, second: Scene) -> list[Difference]:
     """Return the keys that differ between two resolved scenes, in the order of the file.
 
-    Comments, the order of keys and defaults that one spells out make no difference. Lists of one length are compared
-    item by item, others as a whole.
+    Comments, the order of keys and explicit defaults make no difference. Lists of equal length are compared item by
+    item, others as a whole.
     """
     return differences_of(first.resolved(), second.resolved())
 
 
 def differences_of(first: Mapping[str, Any], second: Mapping[str, Any]) -> list[Difference]:
-    """Return the keys that differ between two scenes, given as `Scene.resolved` gives them."""
+    """Return the keys that differ between two scenes, in the form of `Scene.resolved`."""
     return list(_differing(first, second, ()))
 
 

@@ -1,4 +1,4 @@
-"""The six fundamental emotions of the study and where the paper treats each.
+"""The six fundamental emotions of the study.
 
 Source: M. Santos and M. Egerstedt, "From Motions to Emotions: Can the Fundamental Emotions be Expressed in a Robot
 Swarm?", Int. J. Social Robotics 2021, doi 10.1007/s12369-020-00665-6.
@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple, get_args
 
 EmotionName = Literal["happiness", "surprise", "sadness", "fear", "disgust", "anger"]
 
-PLATFORMS = ("robotarium", "robotarium-today")  # testbeds for which the six scenes ship too, in folders of these names
+PLATFORMS = ("robotarium", "robotarium-today")  # testbeds with six scenes of their own, in folders of these names
 
 
 class Emotion(NamedTuple):

@@ -1,4 +1,4 @@
-"""What the keys of all groups share: bounds, units, and how strictly values are read."""
+"""Types and bounds that the groups of keys share."""
 
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import Annotated
@@ -6,7 +6,7 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
-# Beyond these a number is a slip: a stage of a football pitch, a run of more than a day.
+# Larger numbers are typing errors: a stage of a football pitch, a run of more than a day.
 MAX_LENGTH = 100.0  # m
 MAX_ROBOTS = 100_000
 MAX_DURATION = 86_400.0  # s
@@ -17,34 +17,34 @@ Colour = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
 
 
 class Keys(BaseModel):
-    """A group of keys: no others are allowed, and no value can change."""
+    """A group of keys: other keys are invalid, and values cannot change."""
 
-    # Strict: "15" in quotes is text and true is no number. Whole numbers still count as real ones.
+    # Strict: "15" in quotes is text, and true is not a number. Whole numbers are valid real numbers.
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
 class Point(Keys):
-    """A place on the stage."""
+    """A point on the stage."""
 
-    x: Coordinate = Field(description="metres to the right of the origin, which is a rectangular stage's centre")
-    y: Coordinate = Field(description="metres above the origin, which is a rectangular stage's centre")
+    x: Coordinate = Field(description="meters to the right of the origin, which is the center of a rectangular stage")
+    y: Coordinate = Field(description="meters above the origin, which is the center of a rectangular stage")
 
 
 ORIGIN = Point(x=0.0, y=0.0)
 
 
 def inconsistent(key: str, message: str) -> PydanticCustomError:
-    """Return the error, for a validator to raise, of what is wrong beyond its own bounds with a dotted key inside."""
+    """Return the error that a validator raises for an inconsistent value of a dotted key inside its group."""
     return PydanticCustomError("inconsistent", "{message}", {"key": key, "message": message})
 
 
 def least(bound: float) -> str:
-    """Return a lower bound for a message: four digits, rounded up, so that what is named is allowed."""
+    """Return a lower bound for a message: four digits, rounded up, so that it is a valid value."""
     return _four_digits(bound, ROUND_CEILING)
 
 
 def most(bound: float) -> str:
-    """Return an upper bound for a message: four digits, rounded down, so that what is named is allowed."""
+    """Return an upper bound for a message: four digits, rounded down, so that it is a valid value."""
     return _four_digits(bound, ROUND_FLOOR)
 
 

@@ -1,9 +1,13 @@
-"""From a YAML file, with overrides, to a valid `Scene`: the door of this room."""
+"""Loading: from YAML files of scenes and robots, with overrides, to a valid `Scene`; and the JSON Schema of scenes.
+
+The robot and the pictures of a scene are read once and become part of it, so that a scene is all that a run needs.
+"""
 
 import hashlib
 import json
 from collections.abc import Iterable, Mapping
 from copy import deepcopy
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,18 +20,91 @@ from emovid.scene.emotions import EMOTIONS, PLATFORMS
 from emovid.scene.model import Scene
 from emovid.scene.picture import read_pictures
 from emovid.scene.resources import CONFIGS, read_text
-from emovid.scene.robot_files import read_robot
-from emovid.scene.validation_messages import complaint
-from emovid.yaml_source import KeyPath, Places, key_path
+from emovid.scene.robots import Body, schema_with
+from emovid.scene.validation_messages import source_error
+from emovid.yaml_source import KeyPath, Places, key_path, place_of, read_yaml
+
+_ROBOTS = CONFIGS / "robots"
+_SUFFIXES = (".yaml", ".yml")
+
+
+def shipped_robots() -> list[str]:
+    """Return the names of the robots that ship."""
+    return sorted(path.stem for path in _ROBOTS.glob("*.yaml"))
+
+
+def load_robot(source: str | Path) -> Body:
+    """Return the robot of a YAML file, or a shipped one by its name.
+
+    Raises:
+        SourceError: for a file that cannot be read or an invalid robot, with file, line and key.
+    """
+    path = _find(str(source), Path())
+    return _robot(read_text(path, "robot"), str(path), path.stem)
+
+
+def read_robot(data: Any, folder: Path, places: Places) -> None:
+    """Replace the name of a robot in a scene by its keys, and `limits: model` by its limits.
+
+    Args:
+        data: plain values as read from YAML, valid or not; changed in place.
+        folder: that file names are relative to.
+        places: of the keys.
+
+    Raises:
+        SourceError: as in `load_robot`; for the limits of a robot that has none.
+    """
+    robot = data.get("robot") if isinstance(data, dict) else None
+    if not isinstance(robot, dict):
+        return
+    model = robot.get("model")
+    if isinstance(model, str):
+        robot["model"] = model = _named(model, folder, places)
+    if robot.get("limits") == "model" and isinstance(model, Body | dict):
+        keys = dict(model)  # a robot in the scene itself is not validated yet
+        if keys.get("limits") is None:
+            where, name = place_of(("robot", "limits"), places), keys.get("name", "robot")
+            raise SourceError(where, f"model: a {name} has none; expected null or limits", key="robot.limits")
+        robot["limits"] = keys["limits"]
+
+
+def _named(model: str, folder: Path, places: Places) -> Body:
+    try:
+        path = _find(model, folder)
+        text = read_text(path, "robot")
+    except SourceError as error:
+        where = place_of(("robot", "model"), places)
+        raise SourceError(where, f"{error.where}: {error.message}".removeprefix(": "), key="robot.model") from None
+    return _robot(text, str(path), path.stem)
+
+
+def _find(name: str, folder: Path) -> Path:
+    if name.endswith(_SUFFIXES) and name.isprintable():
+        return folder / name
+    if name in (known := shipped_robots()):
+        return _ROBOTS / f"{name}.yaml"
+    expected = f"expected one of {', '.join(known)}, or a file that ends in .yaml"
+    raise SourceError("", f"{name!r}: {expected}{nearest(name, known)}")
+
+
+@lru_cache
+def _robot(text: str, where: str, name: str) -> Body:
+    data, places = read_yaml(text, where, "robot")
+    if not isinstance(data, dict):
+        raise SourceError(where, "not a robot: expected keys such as kinematics, shape, wheels")
+    try:
+        return Body.model_validate({"name": name} | data)
+    except ValidationError as error:
+        raise source_error(error, places, Body) from None
 
 
 class Setting(NamedTuple):
-    """One key of a scene replaced from outside.
+    """A key of a scene to replace, and its new value.
 
     Attributes:
         key: dotted, as in ``robot.l``.
-        value: as text, read as in a scene; or a plain value.
-        origin: what to call it in messages, as in ``--set robot.l=2``.
+        value: text, read as in a scene; or a plain value.
+        origin: its name in messages, as in ``--set robot.l=2``.
     """
 
     key: str
@@ -39,11 +116,11 @@ def load_scene(source: str | Path, settings: Iterable[Setting] | Mapping[str, An
     """Return the scene of a YAML file, or the shipped one of an emotion.
 
     Args:
-        source: a file, or a name: one of the six emotions, or robotarium/ or robotarium-today/ before it.
+        source: a file, or the name of an emotion, also with robotarium/ or robotarium-today/ before it.
         settings: keys to replace, in order; or dotted keys with their values, as in ``{"robot.l": 0.002}``.
 
     Raises:
-        SourceError: for a file that cannot be read or a scene that cannot be meant, with file, line and key.
+        SourceError: for a file that cannot be read or an invalid scene, with file, line and key.
     """
     path = find_scene(source)
     if isinstance(settings, Mapping):
@@ -52,7 +129,7 @@ def load_scene(source: str | Path, settings: Iterable[Setting] | Mapping[str, An
 
 
 def find_scene(source: str | Path) -> Path:
-    """Return the file of `source`: a shipped scene by its name, or the path itself if there is such a file."""
+    """Return the file of `source`: a shipped scene by its name, or an existing path."""
     if str(source) in shipped_names():
         return shipped_scene(str(source))
     path = Path(source)
@@ -68,7 +145,7 @@ def find_scene(source: str | Path) -> Path:
 
 
 def shipped_names() -> list[str]:
-    """Return the names of the scenes that ship: emotions, and `platform/emotion` for the testbeds."""
+    """Return the names of the shipped scenes: emotions, and `platform/emotion` for the testbeds."""
     return [*EMOTIONS, *(f"{platform}/{emotion}" for platform in PLATFORMS for emotion in EMOTIONS)]
 
 
@@ -78,27 +155,27 @@ def shipped_scene(name: str) -> Path:
 
 
 def parse_scene(text: str, where: str, settings: Iterable[Setting] = (), folder: Path = Path()) -> Scene:
-    """Return the scene in `text`; `where` names it in messages, files are found from `folder`. See `load_scene`."""
+    """Return the scene in `text`; `where` is its name in messages, file names are relative to `folder`."""
     return scene_of(*_keys(text, where), settings, folder)
 
 
 def scene_keys(source: str | Path) -> tuple[dict[str, Any], Places, Path]:
-    """Return the keys of a scene's file as plain values, valid or not, their places, and the file. See `load_scene`."""
+    """Return the keys of a scene's file as plain values, valid or not, their places, and the file."""
     path = find_scene(source)
     return *_keys(read_text(path), str(path)), path
 
 
 def scene_of(keys: dict[str, Any], known: Places, settings: Iterable[Setting] = (), folder: Path = Path()) -> Scene:
-    """Return the scene of plain values, as `scene_keys` gives them; they stay as they are.
+    """Return the scene of plain values, such as those of `scene_keys`, which it does not change.
 
     Args:
         keys: the values.
         known: the places of the keys.
-        settings: keys to replace, in order. A shorter duration among them moves the file's later snapshots to its end.
-        folder: that pictures and robots are found from.
+        settings: keys to replace, in order. A shorter duration moves the file's later snapshots to its end.
+        folder: that the file names of pictures and robots are relative to.
 
     Raises:
-        SourceError: as `load_scene`.
+        SourceError: as in `load_scene`.
     """
     data, places = deepcopy(keys), dict(known)
     replaced: set[str] = set()
@@ -112,18 +189,18 @@ def scene_of(keys: dict[str, Any], known: Places, settings: Iterable[Setting] = 
     try:
         scene = Scene.model_validate(data)
     except ValidationError as error:
-        raise complaint(error, places) from None
+        raise source_error(error, places) from None
     scene.remember(places)
     return scene
 
 
 def scene_text(scene: Scene) -> str:
-    """Return the scene as YAML text, every key spelled out."""
+    """Return the scene as YAML text with all keys."""
     return yaml.safe_dump(scene.resolved(), sort_keys=False, allow_unicode=True)
 
 
 def scene_digest(scene: Scene) -> str:
-    """Return the SHA-256 of the resolved scene: equal for scenes that mean the same, whatever their comments."""
+    """Return the SHA-256 of the resolved scene: equal for scenes with equal keys, whatever their comments."""
     canonical = json.dumps(scene.resolved(), sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(canonical.encode()).hexdigest()
 
@@ -136,11 +213,11 @@ def _keys(text: str, where: str) -> tuple[dict[str, Any], Places]:
 
 
 def _apply(setting: Setting, data: dict[str, Any], places: dict[KeyPath, str]) -> None:
-    """Replace one key in `data`; groups on the way that are missing or null are made."""
+    """Replace one key in `data`, and create groups that are missing or null."""
     if isinstance(setting.value, str):
         value = yaml_source.read_value(setting.value, setting.origin)
     else:
-        value = deepcopy(setting.value)  # later settings and files that it names go into it
+        value = deepcopy(setting.value)  # later settings may change it
     *parents, last = key_path(setting.key)
     target: Any = data
     for i, part in enumerate(parents):
@@ -150,7 +227,7 @@ def _apply(setting: Setting, data: dict[str, Any], places: dict[KeyPath, str]) -
         target = _child(target, part, setting)
     _child(target, last, setting, new=value)
     if last == "file":
-        target.pop("pixels", None)  # what was read from the file before
+        target.pop("pixels", None)  # of the file before
     path = (*parents, last if isinstance(target, list) else str(last))
     for inside in [known for known in places if known[: len(path)] == path]:
         del places[inside]
@@ -158,10 +235,10 @@ def _apply(setting: Setting, data: dict[str, Any], places: dict[KeyPath, str]) -
 
 
 def _cut_snapshots(data: dict[str, Any], own: Any) -> None:
-    """Put the end of a shorter run in the place of the snapshots between it and the scene's `own` duration."""
+    """Replace the snapshots between the end of a shorter run and the scene's `own` duration by that end."""
     times, end = data.get("snapshots"), data["duration"]
     if not (isinstance(times, list) and all(isinstance(value, int | float) for value in (*times, own, end))):
-        return  # none, or what will be said to be wrong
+        return  # none, or invalid, which validation reports
     if 0 < end < max(times, default=0) <= own:
         data["snapshots"] = list(dict.fromkeys(min(t, end) for t in times))
 
@@ -177,3 +254,10 @@ def _child(target: Any, part: str | int, setting: Setting, **new: Any) -> Any:
     if new:
         target[key] = new["new"]
     return target[key]
+
+
+def scene_schema() -> dict[str, Any]:
+    """Return the JSON Schema (draft 2020-12) of a scene, for editors."""
+    schema = Scene.model_json_schema()
+    schema_with(shipped_robots(), schema["$defs"]["Robot"])
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "emovid scene"}

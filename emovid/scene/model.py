@@ -1,7 +1,7 @@
-"""A whole scene: its keys, and what they demand of each other.
+"""A whole scene: its keys, and the conditions between them.
 
-A `Scene` that exists is valid: besides each key's own bounds, `_faults` holds the keys against each other. The
-field descriptions are the hover help of editors (`emovid scene schema`).
+Every `Scene` object is valid: besides the bounds of each key, `_faults` checks the conditions between keys. Editors
+show the field descriptions (`emovid scene schema`).
 """
 
 from collections.abc import Iterator
@@ -26,12 +26,9 @@ from emovid.scene.behaviour import (
 from emovid.scene.emotions import EMOTIONS, EmotionName
 from emovid.scene.fields import MAX_DURATION, MAX_ROBOTS, Keys, Point, inconsistent, least, most
 from emovid.scene.picture import picture_of
-from emovid.scene.robots import MIN_L, Limits, Robot
-from emovid.scene.safety import MAX_PERIOD, Barrier, NoSafety, Safety
-from emovid.scene.stage import Stage
-from emovid.scene.start import AtPoses, AtRandom, InRegion, OnContour, Start
-from emovid.scene.video import MAX_GIF_FPS, MAX_SIDE, MIN_SIDE, Video
-from emovid.scene.view import view_faults
+from emovid.scene.robots import MAX_PERIOD, MIN_L, Barrier, Limits, NoSafety, Robot, Safety
+from emovid.scene.stage import AtPoses, AtRandom, InRegion, OnContour, Stage, Start
+from emovid.scene.video import MAX_GIF_FPS, MAX_SIDE, MIN_SIDE, Video, view_faults
 from emovid.yaml_source import Places, key_path, place_of
 
 MAX_POSES = 200_000_000  # robots times control periods held in memory: 24 h of 77 robots at 30 Hz
@@ -45,22 +42,22 @@ Time = Annotated[float, Field(ge=0, le=MAX_DURATION)]
 class Scene(Keys):
     """One swarm, one behaviour, one video."""
 
-    emotion: EmotionName | None = Field(description="the fundamental emotion it stands for; null for none of the six")
+    emotion: EmotionName | None = Field(description="the emotion that it expresses; null for none of the six")
     behaviour: Behaviour = Field(description="the law that every robot follows")
     robot: Robot = Field(description="the robot and how it follows the law")
-    robots: Annotated[int, Field(ge=1, le=MAX_ROBOTS)] = Field(description="how many")
-    stage: Stage = Field(description="what they move in: width and height, or corners")
-    start: Start = Field(description="where they are at t = 0")
+    robots: Annotated[int, Field(ge=1, le=MAX_ROBOTS)] = Field(description="number of robots")
+    stage: Stage = Field(description="the area they move in: width and height, or corners")
+    start: Start = Field(description="positions of the robots at t = 0")
     control_period: Annotated[float, Field(gt=0, le=60)] = Field(
-        description="how long a command is held [s]; apart from the video's frame rate"
+        description="time for which a command is held [s], independent of the video's frame rate"
     )
     duration: Annotated[float, Field(gt=0, le=MAX_DURATION)] = Field(description="length of run and video [s]")
-    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = Field(description="of all that is random")
-    safety: Safety = Field(NoSafety(), description="none, or barrier: what keeps bodies apart whatever the law wants")
+    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = Field(description="random seed")
+    safety: Safety = Field(NoSafety(), description="none or barrier: method that keeps bodies apart under any law")
     snapshots: Annotated[tuple[Time, ...], Field(strict=False, min_length=1, max_length=MAX_SNAPSHOTS)] | None = Field(
         None, description="times of its figure [s], rising; measures end at the last; null: the paper's for its emotion"
     )
-    video: Video = Field(Video(), description="how it is shown")
+    video: Video = Field(Video(), description="appearance in videos and figures")
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -68,27 +65,27 @@ class Scene(Keys):
             raise inconsistent(key, message)
         return self
 
-    # Where each key was written, for faults that only the simulator can find (robots that do not fit).
+    # File and line of each key, for faults that only the simulator finds (robots that do not fit).
     _places: Places = PrivateAttr(default_factory=dict)
 
     def remember(self, places: Places) -> None:
-        """Keep the places (``file:line``) the keys were written at."""
+        """Keep the places (``file:line``) of the keys."""
         self._places = places
 
     def fault(self, key: str, message: str) -> SourceError:
-        """Return the error for what is wrong with `key`, naming the place it was written at."""
+        """Return the error for a fault of `key`, with its place in the file."""
         return SourceError(place_of(key_path(key), self._places), message, key=key)
 
     @property
     def step(self) -> float:
-        """How long one command is held [s]: the control period, or the barrier's if that is shorter."""
+        """Time for which one command is held [s]: the control period, or the barrier's if that is shorter."""
         if not isinstance(self.safety, Barrier):
             return self.control_period
         return self.safety.period or self.control_period / ceil(self.control_period / MAX_PERIOD)
 
     @property
     def steps_held(self) -> int:
-        """Steps for which a nominal command stays the same."""
+        """Number of steps with the same nominal command."""
         return max(1, round(self.control_period / self.step))
 
     @property
@@ -179,7 +176,7 @@ def _behaviour_faults(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 def _density_faults(key: str, density: AnyDensity, stage: Stage) -> Iterator[tuple[str, str]]:
-    # Of finer ones the integrals would take for ever, and a peak could not be seen; a picture is many peaks.
+    # The integrals of finer densities would take too long, and a peak would be invisible; a picture is many peaks.
     match density:
         case Sum():
             for i, part in enumerate(density.parts):
@@ -204,7 +201,7 @@ def _scale_faults(key: str, scale: float, stage: Stage, parts: int, share: str) 
 def _picture_faults(key: str, density: Image) -> Iterator[tuple[str, str]]:
     picture = picture_of(density.pixels) if density.pixels else None
     if picture is None:
-        yield f"{key}.pixels", "not what was read from a picture; expected null, so that the file is read"
+        yield f"{key}.pixels", "not the contents of a picture; expected null, so that the file is read"
     elif not picture.is_dark:
         yield f"{key}.file", f"{density.file}: white all over; expected something darker"
 
@@ -252,10 +249,10 @@ def _barrier_faults(scene: Scene, barrier: Barrier) -> Iterator[tuple[str, str]]
     if body.steers and limits.wheel_max is None and (limits.v_max is None or limits.omega_max is None):
         yield (
             "safety.kind",
-            "barrier: it has to know the motors; expected robot.limits of wheel_max, or v_max and omega_max",
+            "barrier: it needs the limits of the motors; expected robot.limits of wheel_max, or v_max and omega_max",
         )
     if not body.steers and limits.v_max is None:
-        yield "safety.kind", "barrier: it has to know the motors; expected robot.limits of v_max"
+        yield "safety.kind", "barrier: it needs the limits of the motors; expected robot.limits of v_max"
 
 
 def _snapshot_faults(scene: Scene) -> Iterator[tuple[str, str]]:

@@ -1,4 +1,4 @@
-"""Pictures that a scene names: read once, then part of the scene, so that a scene is all that a run needs."""
+"""Pictures of a scene: read once, then part of the scene, so that a run needs no other file."""
 
 import re
 import warnings
@@ -10,14 +10,14 @@ from typing import Any, NamedTuple
 from emovid.errors import SourceError, reason
 from emovid.yaml_source import KeyPath, Places, place_of
 
-MAX_SIDE = 128  # pixels kept: finer than any smoothing leaves visible
+MAX_SIDE = 128  # pixels kept: finer than any smoothing
 MAX_BYTES = 32_000_000
 _TEXT = re.compile(r"([1-9][0-9]{0,2})x([1-9][0-9]{0,2}) ([A-Za-z0-9+/]+=*)")
 _GREY_MODES = ("1", "L", "LA", "P", "RGB", "RGBA")
 
 
 class Grey(NamedTuple):
-    """A grey-scale picture.
+    """A gray-scale picture.
 
     Attributes:
         width, height: in pixels.
@@ -35,15 +35,15 @@ class Grey(NamedTuple):
 
 
 def read_pictures(data: Any, folder: Path, places: Places) -> None:
-    """Read the pictures that the densities in `data`, the keys of a scene, name, and put them in.
+    """Read the pictures of the densities in `data`, the keys of a scene, into their `pixels`.
 
     Args:
         data: plain values as read from YAML, valid or not; changed in place.
-        folder: that the files' names start from.
+        folder: that file names are relative to.
         places: of the keys.
 
     Raises:
-        SourceError: for a file that cannot be read or is no such picture.
+        SourceError: for a file that cannot be read or is not a gray-scale PNG.
     """
     path: KeyPath = ("behaviour", "density")
     density = _inside(_inside(data, "behaviour"), "density")
@@ -63,7 +63,7 @@ def read_pictures(data: Any, folder: Path, places: Places) -> None:
 
 
 def picture_of(pixels: str) -> Grey | None:
-    """Return the picture in the text of a scene's `pixels`; None if it is none."""
+    """Return the picture in the text of a scene's `pixels`; None if it is invalid."""
     found = _TEXT.fullmatch(pixels)
     if not found:
         return None
@@ -87,7 +87,7 @@ def _text(picture: Grey) -> str:
 
 
 def _read(path: Path) -> Grey:
-    """Return a PNG in grey, on white where it is transparent, with at most `MAX_SIDE` pixels a side."""
+    """Return a PNG in gray, on white where it is transparent, with at most `MAX_SIDE` pixels a side."""
     from PIL import Image, UnidentifiedImageError  # noqa: PLC0415 - few scenes have a picture
 
     try:
@@ -101,7 +101,7 @@ def _read(path: Path) -> Grey:
             colours = opened.convert("RGBA")
     except OSError as error:
         if isinstance(error, UnidentifiedImageError):
-            raise _UnusableError("no PNG: expected a grey-scale picture") from None
+            raise _UnusableError("not a PNG: expected a gray-scale picture") from None
         raise _UnusableError(f"cannot be read: {reason(error)}") from None
     except (Image.DecompressionBombError, Image.DecompressionBombWarning):
         raise _UnusableError("too large: more pixels than any density needs") from None

@@ -1,22 +1,22 @@
-"""The files that ship: where they are; and how files are read, shipped or not."""
+"""Folders of the shipped files, and reading of text files."""
 
 from pathlib import Path
 
 from emovid.errors import SourceError, reason
 
-MAX_BYTES = 32_000_000  # a scene that lists the poses of 100 000 robots has 5 MB
+MAX_BYTES = 32_000_000  # a scene with the poses of 100 000 robots has 5 MB
 
 _PACKAGE = Path(__file__).parent.parent
-_ABOVE = _PACKAGE if (_PACKAGE / "configs").is_dir() else _PACKAGE.parent  # a checkout keeps them on top
+_ABOVE = _PACKAGE if (_PACKAGE / "configs").is_dir() else _PACKAGE.parent  # in a checkout, beside the package
 CONFIGS = _ABOVE / "configs"
 STUDIES = _ABOVE / "studies"
 
 
 def read_text(path: Path, what: str = "scene", most: int = MAX_BYTES) -> str:
-    """Return the text of a file of at most `most` bytes; `what` it should hold is for messages.
+    """Return the text of a file of at most `most` bytes; `what` names its expected contents in messages.
 
     Raises:
-        SourceError: if it cannot be read, is too large or no UTF-8.
+        SourceError: if it cannot be read, is too large or is not UTF-8.
     """
     try:
         with path.open("rb") as file:

@@ -1,12 +1,12 @@
-"""Robots: what a robot's file says of it, and the keys of `robot` in a scene.
+"""The keys of `robot` and `safety`: a robot's file, its limits, and what keeps bodies apart.
 
-Lengths in metres, in the robot's own frame: x forward, y left, the origin its pose, midway between the wheels.
+Lengths are in meters, in the robot's own frame: x forward, y left, the origin at its pose, midway between the wheels.
 """
 
 from math import hypot
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from emovid.scene.fields import MAX_LENGTH, Keys, Length, inconsistent, most
 
@@ -35,7 +35,7 @@ class CircularShape(Keys):
 
 
 class RectangularShape(Keys):
-    """A rectangle, its corners round or not."""
+    """A rectangle, with round corners or not."""
 
     kind: Literal["rectangle"] = Field(description="a rectangle")
     length: Length = Field(description="extent along the heading [m]")
@@ -105,7 +105,7 @@ class Light(Keys):
 
 
 class Limits(Keys):
-    """What the motors can do. A command beyond a limit is scaled as a whole, so the curvature stays."""
+    """Limits of the motors. A command beyond a limit is scaled as a whole, so the curvature stays."""
 
     v_max: Annotated[float, Field(gt=0, le=100)] | None = Field(None, description="largest linear speed [m/s]")
     omega_max: Annotated[float, Field(gt=0, le=1000)] | None = Field(None, description="largest turning rate [rad/s]")
@@ -113,25 +113,23 @@ class Limits(Keys):
 
 
 class Body(Keys):
-    """A robot as its file describes it: one table for motion, for spacing, for keeping to the stage and for drawing."""
+    """A robot as its file describes it: for motion, spacing, staying on the stage, and drawing."""
 
     name: Annotated[str, Field(min_length=1, max_length=200)] = Field(
-        "robot", description="what messages call it; a file's own name if it says none"
+        "robot", description="name in messages; by default the name of its file"
     )
     kinematics: Literal["unicycle", "single_integrator"] = Field(
-        description="unicycle: it goes where it faces; single_integrator: in any direction"
+        description="unicycle: moves where it faces; single_integrator: moves in any direction"
     )
-    shape: Annotated[Shape, Field(discriminator="kind")] = Field(description="its body, seen from above")
-    height: Length = Field(description="of the body above the floor [m]; only pictures show it")
-    wheels: Wheels | None = Field(None, description="its two wheels; null is none")
-    limits: Limits | None = Field(
-        None, description="of its motors; they act where a scene says so, by `robot.limits: model`"
-    )
+    shape: Annotated[Shape, Field(discriminator="kind")] = Field(description="outline of its body from above")
+    height: Length = Field(description="height of the body above the floor [m]; for pictures only")
+    wheels: Wheels | None = Field(None, description="its two wheels, or null")
+    limits: Limits | None = Field(None, description="limits of its motors, for scenes with `robot.limits: model`")
     front: Length | None = Field(
-        None, description="size of the mark that shows where its front is [m]: of a body as wide; null is none"
+        None, description="size of the mark at its front [m], drawn as for a body of this width; or null"
     )
     lights: Annotated[tuple[Light, ...], Field(strict=False, max_length=64)] = Field(
-        (), description="on its top, in the colour of that mark; only pictures show them"
+        (), description="lights on its top, in the color of that mark; for pictures only"
     )
 
     @model_validator(mode="after")
@@ -142,7 +140,7 @@ class Body(Keys):
 
     @property
     def steers(self) -> bool:
-        """Whether it has a heading that its motion is bound to."""
+        """Whether it moves along its heading only."""
         return self.kinematics == "unicycle"
 
     @property
@@ -159,22 +157,22 @@ class Body(Keys):
     def radius(self) -> float:
         """Radius [m] of the smallest disc about the pose that holds the whole outline, wheels included.
 
-        Robots whose discs stay apart cannot touch, whatever their headings: this is the body that random starts and the
-        edge of the stage are measured with.
+        Robots whose discs stay apart cannot touch, whatever their headings: this is the body for random starts and the
+        edge of the stage.
         """
         return self._reach(0.0)
 
     @property
     def disc(self) -> tuple[float, float]:
-        """How far ahead of the pose [m] the body's middle is, and the radius [m] about it that holds the whole outline.
+        """Distance [m] of the body's middle ahead of the pose, and radius [m] of the disc about it that holds the body.
 
-        A tighter measure than `radius` where the wheels are not in the middle: these discs are what must stay apart.
+        A tighter measure than `radius` if the wheels are not in the middle: these discs must stay apart.
         """
         return self.shape.ahead, self._reach(self.shape.ahead)
 
     @property
     def guarded(self) -> tuple[float, float]:
-        """The disc that a barrier keeps apart, as `disc`; about the pose where the robot faces anywhere at once."""
+        """The disc that a barrier keeps apart: `disc`, or the disc about the pose of an omnidirectional robot."""
         return self.disc if self.steers else (0.0, self.radius)
 
     def _reach(self, x: float) -> float:
@@ -186,18 +184,20 @@ class Robot(Keys):
     """The robot and its two parameters of the near-identity diffeomorphism, Appendix B."""
 
     model: Body = Field(
-        description="which robot: a shipped one by its name, a file that ends in .yaml (where it is, from the scene's "
-        "file), or what such a file holds"
+        description="a shipped robot by its name, a file that ends in .yaml (relative to the scene's file), or the "
+        "keys of such a file"
     )
     l: Annotated[float, Field(gt=0, le=1)] | None = Field(
         None, description="distance of the look-ahead point [m]: small is angular, large is smooth; a unicycle needs it"
     )
     K: Annotated[float, Field(gt=0, le=1000)] = Field(description="proportional gain: larger is faster")
-    limits: Limits | None = Field(None, description="actuator limits; null is none, model is those of its model")
+    limits: Limits | None = Field(
+        None, description="actuator limits: null for none, model for the robot's own, or keys"
+    )
     saturation: Literal["scale", "clip"] = Field(
         "scale",
-        description="what becomes of a command beyond the limits: scale keeps its curvature; clip cuts each wheel's "
-        "speed alone, as the Robotarium's simulator does",
+        description="treatment of a command beyond the limits: scale keeps its curvature; clip cuts each wheel's speed "
+        "on its own, as the Robotarium's simulator does",
     )
 
     @property
@@ -207,8 +207,55 @@ class Robot(Keys):
 
 
 def schema_with(names: list[str], robot: dict[str, Any]) -> None:
-    """Say in the JSON Schema of `Robot` what a scene's file may hold in place of what the file of a robot does."""
+    """Add to the JSON Schema of `Robot` the values that a scene may have in place of the keys of a robot's file."""
     model, limits = robot["properties"]["model"], robot["properties"]["limits"]
     inline = model.pop("$ref", None)
     model["anyOf"] = [{"enum": names}, {"type": "string", "pattern": r"\.ya?ml$"}, {"$ref": inline}]
     limits["anyOf"].append({"const": "model"})
+
+
+MAX_PERIOD = 0.04  # s; default of a barrier: about the control period of robots
+
+
+class NoSafety(Keys):
+    """The paper's study: only the edge of the stage, and a coverage law's `separation`."""
+
+    kind: Literal["none"] = Field("none", description="nothing changes a command but the edge of the stage")
+
+
+class Barrier(Keys):
+    """Control barrier certificates, for the paper's Sec. V: a quadratic program changes unsafe commands."""
+
+    kind: Literal["barrier"] = Field(description="control barrier certificates for all pairs of robots and all walls")
+    spacing: Length | None = Field(
+        None,
+        description="distance kept between two bodies' middles [m], half of it to a wall; null: bodies just apart",
+    )
+    gamma: Annotated[float, Field(gt=0, le=1000)] = Field(
+        5.0,
+        description="largest rate at which robots use up their distance beyond the spacing [1/s], at most 1 / period",
+    )
+    period: Annotated[float, Field(ge=1e-6, le=60)] | None = Field(
+        None,
+        description="time between its solutions [s], a whole number of times in a control period; null: the longest "
+        "such part of at most 0.04 s",
+    )
+
+
+def _by_its_kind(keys: Any) -> Any:
+    """Accept `safety: barrier` for a group of that kind with all defaults."""
+    return {"kind": keys} if isinstance(keys, str) else keys
+
+
+Safety = Annotated[
+    Annotated[NoSafety | Barrier, Field(discriminator="kind")],
+    BeforeValidator(
+        _by_its_kind,
+        json_schema_input_type=Literal["none", "barrier"] | Annotated[NoSafety | Barrier, Field(discriminator="kind")],
+    ),
+]
+
+
+def spacing_of(safety: Barrier, robot: Robot) -> float:
+    """Return the distance D [m] that the barrier keeps between the middles of two bodies."""
+    return 2 * robot.body.guarded[1] if safety.spacing is None else safety.spacing

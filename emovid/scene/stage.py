@@ -1,13 +1,127 @@
-"""The keys of `stage`, in two forms. Both answer what the rest of the project asks: outline, edges, room."""
+"""The keys of `stage` and `start`: convex polygons, their edges and largest circle, and start positions on them.
 
+Corners are pairs (x, y) [m], and an outline is all corners, counter-clockwise. All of this works on plain numbers, so
+that reading a scene needs no arrays.
+"""
+
+from collections.abc import Iterator, Sequence
 from functools import cached_property
-from typing import Annotated, Any
+from math import atan2, hypot, pi
+from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from emovid.errors import nearest
-from emovid.scene.convex import Edge, Outline, edges_of, first_fault, inradius_of, outline_of
-from emovid.scene.fields import MAX_LENGTH, Keys, Point, inconsistent
+from emovid.scene.fields import MAX_LENGTH, ORIGIN, Keys, Length, Point, inconsistent
+
+Corner = tuple[float, float]
+Outline = tuple[Corner, ...]
+
+_SAME = 1e-6  # m; a corner so near to its neighbor, or to the line past it, does not count as one
+
+
+class Edge(NamedTuple):
+    """The line of an edge: points (p, q) on it and inside have x p + y q <= offset.
+
+    Attributes:
+        x, y: its unit normal, outwards.
+        offset: its distance from the origin [m], negative if the origin is outside.
+    """
+
+    x: float
+    y: float
+    offset: float
+
+
+def first_fault(corners: Sequence[Corner]) -> tuple[int, str] | None:
+    """Return the first corner that is impossible in a convex polygon, and what is wrong with it.
+
+    Args:
+        corners: three or more, in order around the polygon, in either direction.
+    """
+    sides = [_from_to(a, b) for a, b in _pairs(corners)]
+    doubled_area = sum(_cross(a, b) for a, b in _pairs(corners))
+    for i, side in enumerate(sides):
+        if hypot(*side) <= _SAME:
+            return max(i, (i + 1) % len(sides)), "the same place as the corner beside it: expected each corner once"
+    whole_turn = 0.0
+    for i, after in enumerate(sides):
+        before = sides[i - 1]
+        turn = _cross(before, after)
+        if abs(turn) <= _SAME * hypot(before[0] + after[0], before[1] + after[1]):
+            return i, "on the line between the corners beside it: expected corners only"
+        whole_turn += atan2(turn, _dot(before, after))
+        if turn * doubled_area <= 0 or abs(whole_turn) > 3 * pi:
+            return i, "not convex here: expected the corners of a convex stage, in order around it"
+    return None
+
+
+def outline_of(corners: Sequence[Corner]) -> Outline:
+    """Return the corners of a convex polygon, counter-clockwise from the leftmost, lowest one."""
+    clockwise = sum(_cross(a, b) for a, b in _pairs(corners)) < 0
+    ring = tuple(reversed(corners)) if clockwise else tuple(corners)
+    first = ring.index(min(ring))
+    return ring[first:] + ring[:first]
+
+
+def edges_of(outline: Outline) -> tuple[Edge, ...]:
+    """Return the lines of the edges; of an upright rectangle right, left, top, bottom.
+
+    They are in order of their directions, so that a sum over them has the same last digit for any order of corners.
+    """
+    edges = []
+    for a, b in _pairs(outline):
+        along = _from_to(a, b)
+        length = hypot(*along)
+        x, y = along[1] / length, -along[0] / length
+        edges.append(Edge(x, y, x * a[0] + y * a[1]))
+    return tuple(sorted(edges, key=lambda edge: (-abs(edge.x), -edge.x, -edge.y)))
+
+
+def inradius_of(outline: Outline) -> float:
+    """Return the radius [m] of the largest circle inside.
+
+    All edges move inwards at the same speed. An edge of length L between corners that turn by a and b shrinks to a
+    point after L / (tan(a/2) + tan(b/2)), and its neighbors meet. If these are parallel, or diverge, nothing is left.
+    """
+    sides = [_from_to(a, b) for a, b in _pairs(outline)]
+    lengths = [hypot(*side) for side in sides]
+    ways = [(x / length, y / length) for (x, y), length in zip(sides, lengths, strict=True)]
+    radius = 0.0
+    while True:
+        ends = [_half_tangent(a, b) for a, b in _pairs(ways)]
+        losses = [ends[i - 1] + end for i, end in enumerate(ends)]
+        lives = [length / loss for length, loss in zip(lengths, losses, strict=True)]
+        shortest = min(lives)
+        gone = lives.index(shortest)
+        radius += shortest
+        if _cross(ways[gone - 1], ways[(gone + 1) % len(ways)]) <= 0:
+            return radius
+        lengths = [length - shortest * loss for length, loss in zip(lengths, losses, strict=True)]
+        del lengths[gone], ways[gone]
+
+
+def _half_tangent(a: Corner, b: Corner) -> float:
+    """Return tan(angle / 2) of the angle from one unit vector to another, in a form that is exact up to pi."""
+    return _cross(a, b) / (1 + _dot(a, b)) if _dot(a, b) >= 0 else (1 - _dot(a, b)) / _cross(a, b)
+
+
+def _pairs(ring: Sequence[Corner]) -> Iterator[tuple[Corner, Corner]]:
+    """Yield each corner with the next, and the last with the first."""
+    return zip(ring, [*ring[1:], ring[0]], strict=True)
+
+
+def _from_to(a: Corner, b: Corner) -> Corner:
+    return b[0] - a[0], b[1] - a[1]
+
+
+def _dot(a: Corner, b: Corner) -> float:
+    return a[0] * b[0] + a[1] * b[1]
+
+
+def _cross(a: Corner, b: Corner) -> float:
+    return a[0] * b[1] - a[1] * b[0]
+
 
 MAX_CORNERS = 64
 
@@ -15,7 +129,7 @@ Side = Annotated[float, Field(ge=1e-6, le=MAX_LENGTH)]  # corners of a polygon a
 
 
 class StageKeys(Keys):
-    """What both forms of a stage have."""
+    """Properties of both forms of a stage."""
 
     @property
     def outline(self) -> Outline:
@@ -38,20 +152,24 @@ class StageKeys(Keys):
         x, y = zip(*self.outline, strict=True)
         return min(x), min(y), max(x), max(y)
 
+    def distances(self, x: Any, y: Any) -> list[Any]:
+        """Return the distances [m] of a point from the edges, or of arrays of points; negative beyond an edge."""
+        return [edge.offset - (edge.x * x + edge.y * y) for edge in self.edges]
+
     def room(self, x: float, y: float) -> float:
         """Return the radius [m] of the largest disc about a point that is inside; negative for a point outside."""
-        return min(edge.offset - (edge.x * x + edge.y * y) for edge in self.edges)
+        return min(self.distances(x, y))
 
 
 class Rectangle(StageKeys):
-    """A rectangle, its centre the origin of all coordinates."""
+    """A rectangle with its center at the origin of all coordinates."""
 
     width: Side = Field(description="extent along x [m]")
     height: Side = Field(description="extent along y [m]")
 
     @property
     def outline(self) -> Outline:
-        """As `StageKeys` says."""
+        """See `StageKeys`."""
         x, y = self.width / 2, self.height / 2
         return (-x, -y), (x, -y), (x, y), (-x, y)
 
@@ -63,7 +181,7 @@ def _outlined(corners: tuple[Point, ...]) -> tuple[Point, ...]:
     """Return the corners as an outline, so that equal polygons are equal stages.
 
     Raises:
-        PydanticCustomError: if they are not those of a convex polygon.
+        PydanticCustomError: if they do not form a convex polygon.
     """
     pairs = [(corner.x, corner.y) for corner in corners]
     if fault := first_fault(pairs):
@@ -73,7 +191,7 @@ def _outlined(corners: tuple[Point, ...]) -> tuple[Point, ...]:
 
 
 class Polygon(StageKeys):
-    """Any convex polygon; its corners say where the origin of all coordinates is."""
+    """Any convex polygon; its corners define the origin of all coordinates."""
 
     corners: Annotated[
         tuple[Point, ...],
@@ -91,7 +209,7 @@ class Polygon(StageKeys):
 
     @property
     def outline(self) -> Outline:
-        """As `StageKeys` says."""
+        """See `StageKeys`."""
         return tuple((corner.x, corner.y) for corner in self.corners)
 
     def __str__(self) -> str:
@@ -100,7 +218,7 @@ class Polygon(StageKeys):
 
 
 def _form(stage: Any) -> str:
-    """Return the form a stage is given in: a polygon if one of its keys is `corners`, or is meant to be."""
+    """Return the form of a stage: a polygon if one of its keys is `corners`, or nearly so."""
     keys = stage if isinstance(stage, dict) else type(stage).model_fields if isinstance(stage, StageKeys) else ()
     return Polygon.__name__ if any(nearest(str(key), Polygon.model_fields) for key in keys) else Rectangle.__name__
 
@@ -108,3 +226,60 @@ def _form(stage: Any) -> str:
 Stage = Annotated[
     Annotated[Rectangle, Tag(Rectangle.__name__)] | Annotated[Polygon, Tag(Polygon.__name__)], Discriminator(_form)
 ]
+
+
+class Pose(Point):
+    """A position and a direction."""
+
+    heading: Annotated[float, Field(ge=-1000, le=1000)] = Field(0.0, description="radians, counter-clockwise from x")
+
+
+class Region(Keys):
+    """A rectangle inside the stage."""
+
+    centre: Point = Field(ORIGIN, description="its centre [m]")
+    width: Length = Field(description="extent along x [m]")
+    height: Length = Field(description="extent along y [m]")
+
+    @property
+    def corners(self) -> Outline:
+        """Its corners (x, y) [m]."""
+        x, y, half_width, half_height = self.centre.x, self.centre.y, self.width / 2, self.height / 2
+        return tuple((x + i * half_width, y + j * half_height) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1)))
+
+
+class OnContour(Keys):
+    """A start for laws that follow a contour."""
+
+    place: Literal["contour"] = Field(description="spread evenly along the contour at t = 0, heading along it")
+
+
+class AtRandom(Keys):
+    """Keys of random starts."""
+
+    min_spacing: Length | None = Field(
+        None, description="smallest distance of two centres [m]; null: bodies just apart"
+    )
+
+
+class InStage(AtRandom):
+    """A random start, anywhere."""
+
+    place: Literal["stage"] = Field(description="at random in the whole stage")
+
+
+class InRegion(AtRandom):
+    """A random start in a rectangle."""
+
+    place: Literal["region"] = Field(description="at random in a part of the stage")
+    region: Region = Field(description="the part, for the robots' centres")
+
+
+class AtPoses(Keys):
+    """A start at given poses."""
+
+    place: Literal["poses"] = Field(description="at the poses that the scene lists")
+    poses: Annotated[tuple[Pose, ...], Field(strict=False, min_length=1)] = Field(description="one pose for each robot")
+
+
+Start = Annotated[OnContour | InStage | InRegion | AtPoses, Field(discriminator="place")]

@@ -1,4 +1,4 @@
-"""What pydantic found wrong with a scene, in one line that a scene's author understands."""
+"""One-line messages for the author of a scene, from the errors of pydantic."""
 
 from collections.abc import Mapping
 from types import NoneType
@@ -35,21 +35,21 @@ _KINDS = {
 }
 
 
-def complaint(error: ValidationError, places: Places, root: type[BaseModel] = Scene) -> SourceError:
-    """Return the first problem, by the line it stands on, as a `SourceError`.
+def source_error(error: ValidationError, places: Places, root: type[BaseModel] = Scene) -> SourceError:
+    """Return the first problem, by its line in the file, as a `SourceError`.
 
     Args:
-        error: from validating a `root`.
+        error: from the validation of a `root`.
         places: of the keys.
-        root: the whole that was validated.
+        root: the model that was validated.
     """
     items = error.errors(include_url=False)
-    # A list with a broken item counts as shorter than it is: the item says what is wrong.
+    # pydantic counts a list with an invalid item as too short: only the item is reported.
     broken = {item["loc"][:n] for item in items for n in range(len(item["loc"]))}
     told = [item for item in items if item["type"] != "too_short" or item["loc"] not in broken]
     found = [(item["type"] == "missing", *_problem(item, root)) for item in told]
     placed = [(missing, place_of(path, places), path, message) for missing, path, message in found]
-    # A misspelt key is a missing one too, on the line of its group: the misspelling says more.
+    # A misspelled key is also a missing one, on the line of its group: the misspelling is more useful.
     _, where, path, message = min(placed, key=lambda problem: (problem[0], _line(problem[1])))
     return SourceError(where, message, key=".".join(map(str, path)))
 
@@ -130,12 +130,12 @@ def _description(loc: KeyPath, root: type[BaseModel]) -> str:
 
 
 def _null(loc: KeyPath, root: type[BaseModel]) -> list[str]:
-    """Return null, if a key may be."""
+    """Return "null" if a key may be null."""
     return ["null"] if any(NoneType in get_args(field.annotation) for field in _fields_at(loc, root)) else []
 
 
 def _fields_at(loc: KeyPath, root: type[BaseModel]) -> list[FieldInfo]:
-    """Return what the last key of a pydantic location may be, in the models that may be there."""
+    """Return the fields that the last key of a pydantic location may stand for."""
     models, name = _models_at(loc[:-1], root), str(loc[-1])
     return [model.model_fields[name] for model in models if name in model.model_fields]
 
@@ -155,7 +155,7 @@ def _models_at(loc: KeyPath, root: type[BaseModel]) -> list[type[BaseModel]]:
 
 
 def _walk(loc: KeyPath, root: type[BaseModel]) -> tuple[KeyPath, list[type[BaseModel]]]:
-    """Follow a pydantic location from `root`: its path without the tags of unions, and the models it leads to."""
+    """Follow a pydantic location from `root`: its path without the tags of unions, and its possible models."""
     models: list[type[BaseModel]] = [root]
     path: list[str | int] = []
     for part in loc:

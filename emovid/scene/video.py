@@ -1,15 +1,22 @@
-"""The keys of `video`: how a run is shown. Nothing here changes the motion."""
+"""The keys of `video`: appearance of a run, and the camera of the perspective view. Nothing here changes the motion.
 
-from typing import Annotated, Literal
+The camera stands on the middle line of the stage, outside its lower edge or above it, and looks along y: up in the
+overhead view is away from it.
+"""
+
+from collections.abc import Iterator
+from math import atan, atan2, cos, degrees, inf, radians, sin, tan
+from typing import Annotated, Literal, NamedTuple
 
 from pydantic import Field
 
 from emovid.scene.fields import MAX_DURATION, MAX_LENGTH, MAX_ROBOTS, Colour, Keys, Length
+from emovid.scene.stage import Stage
 
 MAX_FPS = 240
 MAX_GIF_FPS = 50  # browsers show a faster GIF at 10 frames a second
 MIN_SIDE, MAX_SIDE = 64, 8192  # pixels; H.264 level 6.2 ends at 8192
-MAX_FIELD_OF_VIEW = 150.0  # degrees; beyond, a flat picture shows its edges stretched fifteen times
+MAX_FIELD_OF_VIEW = 150.0  # degrees; beyond, the edges of a flat picture are stretched fifteen times
 
 FormatName = Literal["mp4", "webm", "gif", "png-sequence"]
 ThemeName = Literal["light", "dark"]
@@ -23,10 +30,11 @@ class CameraKeys(Keys):
     height: Length = Field(1.7, description="above the floor [m]; the paper's camera was at 1.70 m")
     distance: Annotated[float, Field(ge=0, le=MAX_LENGTH)] | None = Field(
         None,
-        description="along the floor to the middle of the stage [m]; null: its own height from the stage's near edge",
+        description="along the floor to the middle of the stage [m]; null: its height from the stage's near edge",
     )
     tilt: Annotated[float, Field(ge=0, le=90)] | None = Field(
-        None, description="of its axis below the horizontal [deg]; null: the stage is in the middle of the picture"
+        None,
+        description="angle of its axis below the horizontal [deg]; null: towards the middle of the stage",
     )
     field_of_view: Annotated[float, Field(ge=1, le=MAX_FIELD_OF_VIEW)] | None = Field(
         None, description="across the width of the picture [deg]; null: the stage fills the picture"
@@ -34,31 +42,31 @@ class CameraKeys(Keys):
 
 
 class Trails(Keys):
-    """The lines some robots leave behind."""
+    """The traces that some robots leave."""
 
     robots: Annotated[int, Field(ge=0, le=MAX_ROBOTS)] | None = Field(
-        5, description="how many robots leave a trail, evenly spread through the swarm; null: all"
+        5, description="number of robots that leave a trail, evenly spread over the swarm at the start; null: all"
     )
     width: Annotated[float, Field(gt=0, le=1)] = Field(0.004, description="width of the line [m on the stage]")
     seconds: Annotated[float, Field(gt=0, le=MAX_DURATION)] | None = Field(
-        None, description="how long a trail stays [s]; null: for ever"
+        None, description="time for which a trail stays [s]; null: always"
     )
-    fade: bool = Field(False, description="whether a trail fades with its age until it is gone; needs seconds")
+    fade: bool = Field(False, description="whether a trail fades with its age; needs seconds")
 
 
 class Overlays(Keys):
-    """What a picture can show besides stage, robots and trails. None of it is in the study's videos."""
+    """Further parts of a picture. The study's videos have none of them."""
 
-    density: bool = Field(False, description="the density that coverage spreads over, under all else")
+    density: bool = Field(False, description="the density of a coverage behaviour, below everything else")
     cells: bool = Field(False, description="the robots' Voronoi cells")
-    targets: bool = Field(False, description="the points that the robots head for: on the contour, or centroids")
+    targets: bool = Field(False, description="the points that the robots head for: points on the contour, or centroids")
     clock: bool = Field(False, description="the time, in the upper left corner [s]")
 
 
 class Colours(Keys):
-    """All colours of a picture, as "#rrggbb"; by default the light theme.
+    """All colors of a picture, as "#rrggbb"; by default the light theme.
 
-    A theme's trails are colour-blind-safe and stand out from its stage in luminance.
+    The trails of a theme are color-blind-safe and differ from its stage in luminance.
     """
 
     surround: Colour = "#e3e4e8"
@@ -89,7 +97,7 @@ THEMES: dict[ThemeName, Colours] = {
 
 
 class OwnColours(Keys):
-    """The colours that a scene sets itself, as "#rrggbb", and those that are its theme's, by the word theme."""
+    """The colors of a scene: its own as "#rrggbb", and those of its theme as "theme"."""
 
     surround: OwnColour = Field("theme", description="around the stage")
     stage: OwnColour = Field("theme", description="the stage")
@@ -98,20 +106,20 @@ class OwnColours(Keys):
     wheels: OwnColour = Field("theme", description="wheels")
     front: OwnColour = Field("theme", description="the mark that shows a robot's front")
     trails: Annotated[tuple[OwnColour, ...], Field(strict=False, min_length=1)] = Field(
-        5 * ("theme",), description="trails and the bodies that leave them, in turn"
+        5 * ("theme",), description="trails, and the bodies of the robots that leave them, in turn"
     )
-    density: OwnColour = Field("theme", description="the overlay of the density, where that is highest")
+    density: OwnColour = Field("theme", description="the density overlay, at the largest density")
     overlay: OwnColour = Field("theme", description="the other overlays: cells, targets and clock")
 
     def over(self, theme: Colours) -> Colours:
-        """Return all colours: these, and the theme's where these name it."""
+        """Return all colors: these, and the theme's for the word theme."""
         own = {name: colour for name, colour in self if colour != "theme"}
         trails = [theme.trails[i % len(theme.trails)] if c == "theme" else c for i, c in enumerate(self.trails)]
         return theme.model_copy(update=own | {"trails": tuple(trails)})
 
 
 class Video(Keys):
-    """How a run is shown."""
+    """Appearance of a run."""
 
     size: Annotated[str, Field(pattern=r"^[1-9][0-9]{1,4}x[1-9][0-9]{1,4}$")] = Field(
         "1280x720", description="width x height [pixels], both even"
@@ -119,11 +127,11 @@ class Video(Keys):
     fps: Annotated[int, Field(ge=1, le=MAX_FPS)] = Field(30, description="frames per second")
     format: FormatName = Field("mp4", description="mp4 (H.264), webm (VP9), gif, or png-sequence: a folder of pictures")
     view: ViewName = Field("overhead", description="overhead: from straight above; perspective: from the camera")
-    camera: CameraKeys = Field(CameraKeys(), description="where the camera of the perspective view stands and looks")
-    trails: Trails = Field(Trails(), description="the lines some robots leave")
-    overlays: Overlays = Field(Overlays(), description="what else is shown")
-    theme: ThemeName = Field("light", description="light or dark: the colours that are not set themselves")
-    colours: OwnColours = Field(OwnColours(), description="the colours, where they are not the theme's")
+    camera: CameraKeys = Field(CameraKeys(), description="position and direction of the camera of the perspective view")
+    trails: Trails = Field(Trails(), description="the traces that some robots leave")
+    overlays: Overlays = Field(Overlays(), description="further parts of the picture")
+    theme: ThemeName = Field("light", description="light or dark: the colors that the scene does not set itself")
+    colours: OwnColours = Field(OwnColours(), description="colors that differ from the theme's")
 
     @property
     def width(self) -> int:
@@ -137,5 +145,93 @@ class Video(Keys):
 
     @property
     def palette(self) -> Colours:
-        """All colours: the scene's own, and the theme's where it sets none."""
+        """All colors: the scene's own, and the theme's where it sets none."""
         return self.colours.over(THEMES[self.theme])
+
+
+MARGIN = 0.035  # free space around the stage, as a share of the frame's smaller side
+
+
+class Aim(NamedTuple):
+    """A pinhole camera without roll.
+
+    Attributes:
+        x, y, z: its position [m]; z above the floor.
+        tilt: angle of its axis below the horizontal [rad].
+        focal: its focal length [pixels].
+    """
+
+    x: float
+    y: float
+    z: float
+    tilt: float
+    focal: float
+
+
+def aim_of(video: Video, stage: Stage, tallest: float) -> Aim:
+    """Return the camera of a perspective view; keys that are null are chosen to fit the stage.
+
+    Args:
+        video: with the camera's keys.
+        stage: in view as a whole.
+        tallest: height of the robots on it [m].
+    """
+    camera = video.camera
+    left, bottom, right, top = stage.box
+    distance = (top - bottom) / 2 + camera.height if camera.distance is None else camera.distance
+    x, y, z = (left + right) / 2, (bottom + top) / 2 - distance, camera.height
+    if camera.tilt is None:
+        below = [atan2(z - up, edge - y) for edge in (bottom, top) for up in (0.0, tallest)]
+        tilt = (min(below) + max(below)) / 2
+    else:
+        tilt = radians(camera.tilt)
+    if camera.field_of_view is None:
+        free = MARGIN * min(video.width, video.height)
+        across, along = _extent(x, y, z, tilt, stage, tallest)
+        focal = min((video.width / 2 - free) / across, (video.height / 2 - free) / along)
+    else:
+        focal = video.width / 2 / tan(radians(camera.field_of_view) / 2)
+    return Aim(x, y, z, tilt, focal)
+
+
+def view_faults(video: Video, stage: Stage, tallest: float) -> Iterator[tuple[str, str]]:
+    """Yield (key, message) for each fault of a perspective view of robots as high as `tallest` [m]."""
+    camera = video.camera
+    if camera.height <= tallest:
+        yield "video.camera.height", f"{camera.height:g}: expected more than the robots' height, {tallest:g}"
+        return
+    aim = aim_of(video, stage, tallest)
+    across, along = _extent(*aim[:4], stage, tallest)
+    needed = 2 * degrees(atan(max(across, along * video.width / video.height)))
+    if needed > MAX_FIELD_OF_VIEW and camera.tilt is not None:
+        level = camera.model_copy(update={"tilt": None})
+        right = degrees(aim_of(video.model_copy(update={"camera": level}), stage, tallest).tilt)
+        yield "video.camera.tilt", f"{camera.tilt:g}: the stage is not in view; expected about {right:.0f}, or null"
+    elif needed > MAX_FIELD_OF_VIEW:
+        yield (
+            "video.camera.height",
+            f"{camera.height:g}: the stage is not in view: it spans {needed:.0f} degrees, at most "
+            f"{MAX_FIELD_OF_VIEW:g} can be shown; expected a larger height or distance",
+        )
+    elif camera.field_of_view is not None and camera.field_of_view < needed:
+        yield (
+            "video.camera.field_of_view",
+            f"{camera.field_of_view:g}: the stage is not in view; expected at least {needed + 0.05:.1f}, or null",
+        )
+
+
+def _extent(x: float, y: float, z: float, tilt: float, stage: Stage, tallest: float) -> tuple[float, float]:
+    """Return the extent of stage and robots from the middle of the picture, across and along it, at focal length 1.
+
+    It is infinite if a part of them is beside or behind the camera.
+    """
+    across = along = 0.0
+    for corner_x, corner_y in stage.outline:
+        for up in (0.0, tallest):
+            away, below = corner_y - y, z - up
+            depth = away * cos(tilt) + below * sin(tilt)
+            if depth <= 0:
+                return inf, inf
+            across = max(across, abs(corner_x - x) / depth)
+            along = max(along, abs(away * sin(tilt) - below * cos(tilt)) / depth)
+    return across, along

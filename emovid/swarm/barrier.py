@@ -1,16 +1,16 @@
-"""Control barrier certificates: the commands nearest to the nominal ones with which no two bodies and no wall touch.
+"""Control barrier certificates: the commands closest to the nominal ones with which bodies and walls stay apart.
 
 A. D. Ames, X. Xu, J. W. Grizzle and P. Tabuada, "Control barrier function based quadratic programs for safety critical
 systems", IEEE TAC 62(8), 2017; for swarms L. Wang, A. D. Ames and M. Egerstedt, "Safety barrier certificates for
 collisions-free multirobot systems", IEEE T-RO 33(3), 2017. Three choices differ from theirs:
 
-Where. A body lies in a disc about a point q, a distance a ahead of the axle (`Body.guarded`). The point's velocity is
-linear in the command, u = [e, a e'] (v, omega), e the heading and e' its left: the bodies themselves are kept apart,
-and no spacing is lost to a look-ahead point. The unknowns are the speeds z = (v, c omega), c half the wheel base:
-|z|^2 is half the sum of squares of the wheels' speeds, and the motors' limits are half-planes, so that no scaling comes
-after.
+Guarded point. A body lies in a disc about a point q, a distance a ahead of the axle (`Body.guarded`). The point's
+velocity is linear in the command, u = [e, a e'] (v, omega), e the heading and e' its left: the barrier keeps the bodies
+themselves apart, and loses no spacing to a look-ahead point. The unknowns are the speeds z = (v, c omega), c half the
+wheel base: |z|^2 is half the sum of squares of the wheels' speeds, and the motors' limits are half-planes, so that no
+scaling is needed afterwards.
 
-How fast. With h = |q_i - q_j| - D and n the direction from i to j, the certificate is n . (u_i - u_j) <= gamma h:
+Rate. With h = |q_i - q_j| - D and n the direction from i to j, the certificate is n . (u_i - u_j) <= gamma h:
 linear in h [m]. The Robotarium's has the cube of a difference of squares there, which slows robots many spacings apart.
 
 Between samples. Under a held command u turns at omega, so q strays from its tangent by at most |u| |omega| t^2 / 2.
@@ -18,10 +18,10 @@ With U the largest |u| that the motors allow and T the period,
 
     n . (u_i - u_j) + U T/2 (|omega_i| + |omega_j|) <= gamma h,    gamma T <= 1,
 
-therefore keeps |q_i - q_j| >= D at all times, not at samples only; a wall likewise, with D/2 and one robot. Standing
-still fulfils every row, so the program has a solution wherever no robot is too near. Robots that start nearer than D
-have to part; where the motors or others in the way forbid that, they part as fast as they can and come no nearer, and
-this is recorded: bodies apart at first never touch.
+therefore keeps |q_i - q_j| >= D at all times, not only at samples; a wall likewise, with D/2 and one robot. Standing
+still fulfils every row, so the program has a solution unless a robot is too near. Robots that start nearer than D have
+to part; where the motors or other robots prevent that, they part as fast as they can and come no nearer, and the
+trajectory records it: bodies that start apart never touch.
 """
 
 from itertools import product
@@ -30,25 +30,24 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from emovid.scene.robots import Limits, Robot
-from emovid.scene.safety import Barrier, spacing_of
+from emovid.scene.robots import Barrier, Limits, Robot, spacing_of
 from emovid.scene.stage import Stage
 from emovid.swarm.arrays import Array, Indices, Mask
 from emovid.swarm.projection import nearest_within
 from emovid.swarm.unicycle import look_ahead
 
-_DEAR = 100.0  # what giving up all that cannot be had costs, against speeds of the order of 1
-_DIRECTIONS = 16  # of the polygon within the speeds that an omnidirectional robot can have
+_PENALTY = 100.0  # for missing the whole demand of rows without a solution, against speeds of the order of 1
+_DIRECTIONS = 16  # corners of the polygon within the speeds of an omnidirectional robot
 
 
 class Certified(NamedTuple):
-    """What the barrier made of the nominal commands.
+    """Commands of the barrier.
 
     Attributes:
         headings: (N,) [rad], those of omnidirectional robots changed with their velocities.
         commands: (N, 2).
-        bend: how far they are from the nominal ones (N,) [m/s], in the speeds z.
-        relaxed: (N,), which robots were too near to another or a wall and could not part as they should.
+        bend: distance from the nominal commands (N,) [m/s], in the speeds z.
+        relaxed: (N,), which robots were too near to another or a wall and could not part as demanded.
     """
 
     headings: Array
@@ -58,7 +57,7 @@ class Certified(NamedTuple):
 
 
 class _Rows(NamedTuple):
-    """Conditions g_i . z_i + g_j . z_j <= most, one of them a pair's or a wall's.
+    """Conditions g_i . z_i + g_j . z_j <= most, each for a pair or a wall.
 
     Attributes:
         i, j: the robots (R,); j is i for a wall, with g_j = 0.
@@ -74,13 +73,13 @@ class _Rows(NamedTuple):
 
 
 def certified(poses: Array, commands: Array, seconds: float, robot: Robot, stage: Stage, safety: Barrier) -> Certified:
-    """Return the commands nearest to the nominal ones that fulfil the certificate, and how far they were bent.
+    """Return the commands closest to the nominal ones that fulfil the certificate.
 
     Args:
         poses: (N, 3) at the start of the period.
         commands: (N, 2), nominal, within the robot's limits.
         seconds: for which they are held.
-        robot: with limits of all that it can do, as a valid scene with a barrier has.
+        robot: with limits of all its motions, as in every valid scene with a barrier.
         stage: to stay on.
         safety: spacing and gamma.
     """
@@ -93,13 +92,13 @@ def certified(poses: Array, commands: Array, seconds: float, robot: Robot, stage
 
 
 class _Motors:
-    """How the speeds z of one robot move the middle of its body, and which of them its motors can do.
+    """How the speeds z of a robot move the middle of its body, and which of them its motors allow.
 
     Attributes:
-        ahead: of the pose is the body's middle [m].
+        ahead: distance of the body's middle ahead of the pose [m].
         top: the largest speed of that point [m/s], U.
-        stray: how much of |z_2| counts against what curves, U T/2 / c; 0 for straight lines.
-        normals, most: of the half-planes within its limits, (L, 2) and (L,).
+        stray: factor of |z_2| in the allowance for curved paths, U T/2 / c; 0 for straight lines.
+        normals, most: normals and offsets of the half-planes of its limits, (L, 2) and (L,).
     """
 
     def __init__(self, robot: Robot, seconds: float) -> None:
@@ -134,7 +133,7 @@ class _Motors:
         return table[:, :2], table[:, 2]
 
     def speeds(self, heading: Array, commands: Array) -> Array:
-        """Return the speeds z (N, 2) [m/s] of commands: an omnidirectional robot's are its velocity."""
+        """Return the speeds z (N, 2) [m/s] of commands; for an omnidirectional robot its velocity."""
         v, omega = commands.T
         if self.steers:
             return np.column_stack([v, self.c * omega])
@@ -159,12 +158,12 @@ class _Motors:
 
 
 def _largest(normals: Array, most: Array) -> tuple[float, float]:
-    """Return bounds [m/s] of z_1 and z_2 by the half-planes."""
+    """Return upper bounds [m/s] of z_1 and z_2 from the half-planes."""
     return tuple(float(np.min(most[axis > 0] / axis[axis > 0])) for axis in normals.T)  # type: ignore[return-value]
 
 
 def _rows(poses: Array, motors: _Motors, stage: Stage, spacing: float, gamma: float) -> _Rows:
-    """Return the rows of the certificate that a command within the limits can break; |omega| is still left out."""
+    """Return the rows of the certificate that a command within the limits can break, still without |omega|."""
     middles = look_ahead(poses, motors.ahead)
     near = cKDTree(middles).query_pairs(spacing + 2 * motors.reach / gamma, output_type="ndarray")
     i, j = near[np.lexsort(near.T[::-1])].T  # in the same order on every machine
@@ -185,7 +184,7 @@ def _rows(poses: Array, motors: _Motors, stage: Stage, spacing: float, gamma: fl
 
 
 def _solve(nominal: Array, rows: _Rows, motors: _Motors) -> tuple[Array, Mask]:
-    """Return the speeds (N, 2) nearest to the nominal ones that fulfil rows and limits, and `Certified.relaxed`."""
+    """Return the speeds (N, 2) closest to the nominal ones that fulfil rows and limits, and `Certified.relaxed`."""
     nobody = np.zeros(len(nominal), dtype=bool)
     pair = rows.i != rows.j
     curved = np.abs(nominal[rows.i, 1]) + np.where(pair, np.abs(nominal[rows.j, 1]), 0.0)
@@ -196,7 +195,7 @@ def _solve(nominal: Array, rows: _Rows, motors: _Motors) -> tuple[Array, Mask]:
     i, j = place[: len(pair)], place[len(pair) :]
     each = np.arange(len(pair))
     parts, most = [], []
-    # |omega| by its two signs: a pair's row becomes four, a wall's two.
+    # |omega| is two rows, one for each sign: a pair's row becomes four, a wall's two.
     for sign_i, sign_j in product((1.0, -1.0), repeat=2) if motors.stray else [(1.0, 1.0)]:
         part = np.zeros((len(pair), len(robots), 2))
         part[each, i] = rows.g_i + np.array([0.0, sign_i * motors.stray])
@@ -221,13 +220,13 @@ def _solve(nominal: Array, rows: _Rows, motors: _Motors) -> tuple[Array, Mask]:
 
 
 def _nearly_within(wanted: Array, A: Array, b: Array) -> Array:
-    """Return the nearest point (n,) that gives as much as can be had of what the rows with b < 0 ask for.
+    """Return the closest point (n,) that fulfils the rows with b < 0 as far as possible.
 
-    The share that is given up is one more unknown, and dear; with all of it, standing still is a solution.
+    The share of their demand that is missed is one more unknown, with a penalty; at 1, standing still is a solution.
     """
-    given_up = np.minimum(b, 0.0) / _DEAR
-    more = np.column_stack([A, given_up])
+    missed = np.minimum(b, 0.0) / _PENALTY
+    more = np.column_stack([A, missed])
     bounds = np.zeros((2, more.shape[1]))
     bounds[:, -1] = 1.0, -1.0
-    found = nearest_within(np.append(wanted, 0.0), np.vstack([more, bounds]), np.concatenate([b, [_DEAR, 0.0]]))
+    found = nearest_within(np.append(wanted, 0.0), np.vstack([more, bounds]), np.concatenate([b, [_PENALTY, 0.0]]))
     return np.zeros_like(wanted) if found is None else found[:-1]

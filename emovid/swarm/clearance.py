@@ -1,18 +1,17 @@
-"""Clearance: how much of a command's v fits, so that bodies stay on the stage and apart. No pose is ever moved.
+"""Clearance: the share of a command's v with which bodies stay on the stage and apart. Poses are never moved.
 
-Under a held command the displacement is v times a curve that depends on heading and omega alone, so its reach towards a
-line is known in closed form, and the largest v that keeps the centre behind every line is found at once; omega is kept.
-Most lines are farther off than a robot can go in a control period, and are left out.
+Under a held command the displacement is v times a curve that depends on heading and omega alone. So its reach towards a
+line has a closed form, which gives the largest v that keeps the center behind every line; omega stays as it is.
+Lines that are out of a robot's reach in a control period are left out.
 """
 
 from functools import lru_cache
 
 import numpy as np
 
-from emovid.scene.convex import Edge
-from emovid.scene.stage import Stage
+from emovid.scene.stage import Edge, Stage
 from emovid.swarm.arrays import Array, Indices
-from emovid.swarm.neighbor_pairs import pairs_within
+from emovid.swarm.voronoi import pairs_within
 
 _ROUNDING = 1e-12  # m
 
@@ -33,7 +32,7 @@ def share_on_stage(poses: Array, commands: Array, seconds: float, stage: Stage, 
     return _smallest_share(poses, commands, seconds, robot, direction[edge], slack[edge, robot])
 
 
-@lru_cache(maxsize=8)  # asked for in every period
+@lru_cache(maxsize=8)  # needed in every period
 def _lines(edges: tuple[Edge, ...]) -> tuple[Array, Array, Array, Array]:
     """Return the edges' normals' x and y and their offsets [m], (C, 1) each, and their directions (C,) [rad]."""
     x, y, offset = np.array(edges).T
@@ -42,15 +41,15 @@ def _lines(edges: tuple[Edge, ...]) -> tuple[Array, Array, Array, Array]:
 
 
 def room_on_stage(points: Array, stage: Stage) -> Array:
-    """Return the radius (N,) [m] of the largest disc about each point (N, 2) that is on the stage; < 0 off it."""
-    return np.min([offset - (x * points[:, 0] + y * points[:, 1]) for x, y, offset in stage.edges], axis=0)
+    """Return the radius (...) [m] of the largest disc about each point (..., 2) that is on the stage; < 0 off it."""
+    return np.min(stage.distances(points[..., 0], points[..., 1]), axis=0)
 
 
 def share_apart(poses: Array, commands: Array, seconds: float, radius: float, clearance: float) -> Array:
     """Return the share (N,) in [0, 1] of each v that keeps the body inside its robot's own Voronoi cell.
 
-    Cells are disjoint, so bodies that start in theirs with half the clearance stay that far apart whatever the
-    others do: buffered Voronoi cells, D. Zhou, Z. Wang, S. Bandyopadhyay and M. Schwager, "Fast, on-line collision
+    Cells are disjoint, so bodies that start in theirs with half the clearance to spare stay that far apart whatever
+    the others do: buffered Voronoi cells, D. Zhou, Z. Wang, S. Bandyopadhyay and M. Schwager, "Fast, on-line collision
     avoidance for dynamic vehicles using buffered Voronoi cells", IEEE RA-L 2(2), 2017.
 
     Args:
@@ -83,8 +82,8 @@ def _smallest_share(
 def _fitting_share(poses: Array, commands: Array, seconds: float, facing: Array, slack: Array) -> Array:
     """Return the share (C,) of each v with which a centre advances by at most `slack` [m] in the direction `facing`.
 
-    A slack below zero, from rounding, is none. An advance of a rounding error is none either: else a robot that touches
-    a wall could not drive along it.
+    A slack below zero, from rounding, counts as zero. So does an advance of the size of a rounding error: otherwise a
+    robot that touches a wall could not drive along it.
     """
     v, omega = commands[:, 0], commands[:, 1]
     heading = poses[:, 2] + np.where(v < 0, np.pi, 0.0)  # driving backwards is driving forwards, turned around
@@ -97,13 +96,13 @@ def _fitting_share(poses: Array, commands: Array, seconds: float, facing: Array,
 def farthest_advance(angle: Array, omega: Array, seconds: float) -> Array:
     """Return the largest advance (C,) [m] along a direction, within `seconds`, of unit-speed motion on an arc.
 
-    The advance after t is (sin(angle + omega t) - sin(angle)) / omega: it peaks where the heading is a right angle
+    The advance after t is (sin(angle + omega t) - sin(angle)) / omega: it peaks where the heading is perpendicular
     to the direction, if the arc gets there, or at one of its ends.
 
     Args:
         angle: heading at the start, from the direction (C,) [rad].
         omega: turning rate (C,) [rad/s].
-        seconds: the time there is.
+        seconds: available time.
     """
     turn = omega * seconds
     # A right turn is a left turn in the mirror.

@@ -10,7 +10,7 @@ def to_dataframe(trajectory: Trajectory) -> pd.DataFrame:
     """Return one row for each sample and robot, in this order: T N rows.
 
     The columns are time [s], robot (from 1), x [m], y [m], heading [rad], and the command v [m/s], omega [rad/s] that
-    is held from this sample to the next; after the last one there is none.
+    is held from this sample to the next; after the last sample it is missing.
     """
     samples, robots = trajectory.poses.shape[:2]
     commands = np.full((samples, robots, 2), np.nan)

@@ -1,6 +1,6 @@
 """The densities phi of fear, disgust and anger (Appendix A, Fig. 16): plain functions of points.
 
-Each is smooth inside the stage, so that its integrals over Voronoi cells converge fast.
+All are smooth inside the stage, so that their integrals over Voronoi cells converge fast.
 """
 
 from collections.abc import Callable
@@ -14,7 +14,7 @@ from emovid.scene.picture import picture_of
 from emovid.scene.stage import Stage
 from emovid.swarm.arrays import Array
 
-_BEYOND = 5  # cells that a picture goes on past its edges: as many standard deviations
+_BEYOND = 5  # cells by which a picture extends past its edges: as many standard deviations
 
 
 class Density(NamedTuple):
@@ -22,7 +22,7 @@ class Density(NamedTuple):
 
     Attributes:
         phi: from x and y [m], arrays of one shape, to values >= 0 of that shape; only ratios of values matter.
-        scale: the length [m] over which it changes, a standard deviation; infinite for a constant.
+        scale: standard deviation [m], the length over which it changes; infinite for a constant.
         one_peak: whether it is a single Gaussian, without valleys.
     """
 
@@ -32,7 +32,7 @@ class Density(NamedTuple):
 
 
 def density_of(density: AnyDensity, stage: Stage) -> Density:
-    """Return the density that a scene names."""
+    """Return the density of a scene."""
     match density:
         case Uniform():
             return Density(lambda x, _: np.ones_like(x), np.inf)
@@ -55,7 +55,7 @@ def _gaussian(density: Gaussian) -> Density:
 def _boundary(density: Boundary, stage: Stage) -> Density:
     """The sum over the edges of exp(-(d - inset)^2 / 2 width^2), d the distance from the edge's line: disgust's.
 
-    A sum, not the distance from the nearest edge, since that has creases where two edges are as near. The paper draws
+    A sum, not the distance from the nearest edge, which has creases where two edges are equally near. The paper draws
     the density, on a rectangle, without a formula (Fig. 16b).
     """
     factor = -0.5 / density.width**2
@@ -77,7 +77,7 @@ def _sum(density: Sum, stage: Stage) -> Density:
     return Density(phi, min(part.scale for _, part in parts))
 
 
-@lru_cache(maxsize=8)  # a law asks for its density in every period
+@lru_cache(maxsize=8)  # a law needs its density in every period
 def _image(density: Image, stage: Stage) -> Density:
     """A picture over the upright rectangle around the stage, 1 where it is black and 0 where it is white, smoothed."""
     weights, x_peaks, y_peaks = picture_peaks(density, stage)
@@ -92,11 +92,11 @@ def _image(density: Image, stage: Stage) -> Density:
 
 
 def picture_peaks(density: Image, stage: Stage) -> tuple[Array, Array, Array]:
-    """Return heights (X, Y) and places, x (X,) and y (Y,) [m], of the peaks that a picture's density is the sum of.
+    """Return heights (X, Y) and positions, x (X,) and y (Y,) [m], of the peaks whose sum is a picture's density.
 
     It is averaged to cells no larger than the smoothing s, and each cell is a peak of standard deviation s: peaks one s
     apart add up to a constant within 1e-8. So it is as smooth as a single peak is, which pixels and straight lines
-    between them are not, and its integrals are as exact. Beyond the rectangle it goes on as it is at its edge.
+    between them are not, and its integrals are as exact. Beyond the rectangle it has the values of its edge.
     """
     assert density.pixels is not None  # a valid scene has read its picture
     picture = picture_of(density.pixels)

@@ -1,4 +1,4 @@
-"""Trajectories on disk: .npz to work with and to render, .csv to look at."""
+"""Trajectories on disk: .npz to render and measure again, .csv for other programs."""
 
 import zipfile
 from collections.abc import Mapping, Sequence
@@ -12,13 +12,13 @@ from emovid.atomic_io import writing
 from emovid.errors import EmovidError, InputError, SourceError, reason
 from emovid.scene.load import Setting, parse_scene, scene_text
 from emovid.scene.model import Scene
-from emovid.scene.safety import Barrier
+from emovid.scene.robots import Barrier
 from emovid.swarm.trajectory import Trajectory
 
 SUFFIXES = (".npz", ".csv")
 _ARRAYS = ("t", "poses", "commands", "stage_cut", "separation_cut")
 _OF_BARRIER = ("bend", "relaxed")
-# Of every entry of the archive, so that equal runs are equal files: the earliest a zip file can say.
+# Time of every entry of the archive, so that equal runs are equal files: the earliest possible in a zip file.
 _ZIP_TIME = (1980, 1, 1, 0, 0, 0)
 
 
@@ -40,10 +40,10 @@ def load_trajectory(source: Path, settings: Sequence[Setting] = ()) -> Trajector
 
     Args:
         source: the file.
-        settings: keys of its scene to replace; of `video` only, since the motion is what it is.
+        settings: keys of its scene to replace; only keys of `video`, since the motion is fixed.
 
     Raises:
-        InputError: if it is no such file, or a setting would change the motion.
+        InputError: if it is not such a file, or a setting would change the motion.
     """
     for setting in settings:
         if not setting.key.startswith("video."):
@@ -57,7 +57,7 @@ def load_trajectory(source: Path, settings: Sequence[Setting] = ()) -> Trajector
         raise InputError(f"{source}: cannot be read: {reason(error)}") from None
     except (EmovidError, MemoryError):
         raise
-    except Exception:  # what numpy, zipfile and tokenize raise over a broken file is not written anywhere
+    except Exception:  # numpy, zipfile and tokenize do not document their errors for broken files
         raise InputError(f"{source}: not a run: expected an .npz written by emovid simulate") from None
     _check_arrays(scene, loaded, source)
     return Trajectory(scene, **loaded)
@@ -73,7 +73,7 @@ def _write_npz(trajectory: Trajectory, file: IO[bytes]) -> None:
 
 
 def _write_csv(trajectory: Trajectory, file: IO[bytes]) -> None:
-    """Write the rows of `to_dataframe`, for which pandas would take longer to import than the run to simulate."""
+    """Write the rows of `to_dataframe` without pandas, whose import takes longer than a simulation."""
     file.write(b"time,robot,x,y,heading,v,omega\n")
     none = trajectory.scene.robots * [("", "")]  # no command is held after the last sample
     held = chain((commands.tolist() for commands in trajectory.commands), [none])

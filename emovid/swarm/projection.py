@@ -1,8 +1,7 @@
-"""The nearest point of a convex polytope: the quadratic program of the barrier, min |x - p|^2 subject to A x <= b.
+"""The closest point of a convex polytope: the quadratic program of the barrier, min |x - p|^2 subject to A x <= b.
 
 Least-distance programming by non-negative least squares: C. L. Lawson and R. J. Hanson, "Solving Least Squares
-Problems", 1974, ch. 23. An active-set method: it ends at the solution, not near it, so that what is left to the machine
-is rounding.
+Problems", 1974, ch. 23. This active-set method ends at the solution itself, so that machines differ by rounding only.
 """
 
 import numpy as np
@@ -10,12 +9,12 @@ from scipy.optimize import nnls
 
 from emovid.swarm.arrays import Array
 
-# The last residual of the least squares is 1 / (1 + |x - p|^2), and 0 where nothing fulfils all rows.
+# The last residual of the least squares is 1 / (1 + |x - p|^2), and 0 where no point fulfils all rows.
 _EMPTY = 1e-9
 
 
 def nearest_within(point: Array, A: Array, b: Array) -> Array | None:
-    """Return the point x (n,) with A x <= b that is nearest to `point` (n,), or None if there is none.
+    """Return the point x (n,) with A x <= b that is closest to `point` (n,), or None if there is none.
 
     Lengths should be of the order of 1: a solution more than 30 000 away counts as none.
 
@@ -25,7 +24,7 @@ def nearest_within(point: Array, A: Array, b: Array) -> Array | None:
         b: their offsets (m,).
     """
     length = np.sqrt(np.sum(A * A, axis=1))
-    missing = (A @ point - b) / length  # how far the point is outside each
+    missing = (A @ point - b) / length  # distance of the point outside each half-space
     if missing.max(initial=0.0) <= 0:
         return point
     columns = np.vstack([-(A / length[:, None]).T, missing])

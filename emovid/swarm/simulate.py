@@ -1,4 +1,4 @@
-"""From a scene to its trajectory: the door of this room. Nothing here knows of frames, trails or files."""
+"""Simulation: from a scene to its trajectory. Nothing here depends on frames, trails or files."""
 
 import warnings
 from collections.abc import Callable
@@ -7,12 +7,10 @@ import numpy as np
 
 from emovid.scene.behaviour import Coverage
 from emovid.scene.model import Scene
-from emovid.scene.robots import Robot
-from emovid.scene.safety import Barrier
+from emovid.scene.robots import Barrier, Robot
 from emovid.swarm.arrays import Array, Mask
 from emovid.swarm.clearance import share_apart, share_on_stage
-from emovid.swarm.contours import followed_points, start_angles
-from emovid.swarm.coverage import coverage_velocity
+from emovid.swarm.laws import coverage_velocity, followed_points, start_angles
 from emovid.swarm.start import start_poses
 from emovid.swarm.trajectory import Trajectory
 from emovid.swarm.unicycle import look_ahead, move, near_identity, within_limits
@@ -24,11 +22,11 @@ Law = Callable[[float, Array], Array]
 def simulate(scene: Scene, on_period: Callable[[int, int], None] | None = None) -> Trajectory:
     """Return the run of a scene: the same for the same scene and seed, bit for bit.
 
-    Once in a control period each robot evaluates its law, turns it into a command and holds that to the period's end,
-    as a robot's firmware does. A barrier may change commands more often: once in its own period.
+    Once in a control period each robot evaluates its law, turns the result into a command and holds it until the end
+    of the period, as a robot's firmware does. A barrier may change commands more often: once in its own period.
 
     Args:
-        scene: what to run; its `video` has no influence.
+        scene: its `video` has no influence.
         on_period: called with the number of periods done and their total.
 
     Raises:
@@ -46,7 +44,7 @@ def simulate(scene: Scene, on_period: Callable[[int, int], None] | None = None) 
     stage_cut = np.zeros((periods, scene.robots), dtype=bool)
     separation_cut = np.zeros_like(stage_cut)
     barrier = scene.safety if isinstance(scene.safety, Barrier) else None
-    if barrier:  # few scenes have one, and scipy.optimize takes longer to import than a run takes
+    if barrier:  # few scenes have one, and importing scipy.optimize takes longer than a run
         from emovid.swarm.barrier import certified  # noqa: PLC0415
     bend, relaxed = np.zeros(stage_cut.shape), np.zeros_like(stage_cut)
     poses[0] = start_poses(scene, rng)
@@ -100,7 +98,7 @@ def _law(scene: Scene) -> Law:
 def _command(robot: Robot, poses: Array, u: Array) -> tuple[Array, Array]:
     """Return the poses (N, 3) and the commands (N, 2) with which the robots set out to move at K u.
 
-    A unicycle keeps its heading. A single integrator faces where it goes, at once: as l goes to 0.
+    A unicycle keeps its heading. A single integrator faces the direction of its motion at once, the limit of l to 0.
     """
     if robot.body.steers:
         assert robot.l is not None  # a valid scene gives a unicycle its l
@@ -116,7 +114,7 @@ def _warn(t: float, relaxed: Mask) -> None:
     robots = ", ".join(str(i + 1) for i in np.flatnonzero(relaxed))
     message = (
         f"the barrier has no solution at {t:.3g} s: robots {robots} are nearer to each other or a wall than the "
-        "spacing, and cannot part as they should; they part as fast as they can and come no nearer"
+        "spacing, and cannot part as the barrier asks; they part as fast as they can and come no nearer"
     )
     warnings.warn(message, RuntimeWarning, stacklevel=3)
 

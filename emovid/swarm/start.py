@@ -1,4 +1,4 @@
-"""Where the robots are at t = 0."""
+"""Start poses of the robots."""
 
 from itertools import product
 
@@ -6,19 +6,18 @@ import numpy as np
 
 from emovid.scene.behaviour import Coverage
 from emovid.scene.model import Scene
-from emovid.scene.safety import Barrier, spacing_of
-from emovid.scene.stage import Rectangle
-from emovid.scene.start import AtPoses, InRegion, InStage, OnContour
+from emovid.scene.robots import Barrier, spacing_of
+from emovid.scene.stage import AtPoses, InRegion, InStage, OnContour, Rectangle
 from emovid.swarm.arrays import Array
 from emovid.swarm.clearance import room_on_stage
-from emovid.swarm.contours import followed_points, start_angles, start_headings
-from emovid.swarm.neighbor_pairs import pairs_within
+from emovid.swarm.laws import followed_points, start_angles, start_headings
 from emovid.swarm.unicycle import look_ahead
+from emovid.swarm.voronoi import pairs_within
 
-# Darts on the stage for each robot before giving up: at random, discs cover at most 54.7 % of the plane, and the last
-# per cent before that would take for ever. Most fall beside a stage that is thin and lies aslant in its box.
-_DARTS_PER_ROBOT = 300
-_THROWS = 100 * _DARTS_PER_ROBOT
+# Trial points on the stage for each robot before giving up: random discs cover at most 54.7 % of the plane, and
+# reaching that takes without end. Most points miss a stage that is thin and lies diagonally in its box.
+_TRIALS_PER_ROBOT = 300
+_ROUNDS = 100 * _TRIALS_PER_ROBOT
 _ROUNDING = 1e-9  # m
 
 
@@ -26,7 +25,7 @@ def start_poses(scene: Scene, rng: np.random.Generator) -> Array:
     """Return the poses (N, 3) at t = 0.
 
     Raises:
-        SourceError: where bodies would overlap, leave the stage, or not find room at random.
+        SourceError: if bodies would overlap, leave the stage, or find no room at random.
     """
     match scene.start:
         case OnContour():
@@ -43,7 +42,7 @@ def start_poses(scene: Scene, rng: np.random.Generator) -> Array:
 def _on_contour(scene: Scene) -> Array:
     """Put the look-ahead points on the contour, heading along it, and the centres `l` behind them.
 
-    With the centre on the contour instead, v(0) = -K l: every robot would set off backwards.
+    With the centers on the contour instead, v(0) = -K l: every robot would start backwards.
     """
     contour = scene.behaviour
     assert not isinstance(contour, Coverage)  # a valid scene has a contour to start on
@@ -55,7 +54,7 @@ def _on_contour(scene: Scene) -> Array:
 
 
 def _at_random(scene: Scene, start: InStage | InRegion, rng: np.random.Generator) -> Array:
-    """Throw darts, uniformly over the region: one off the stage or too near an earlier one is thrown again."""
+    """Draw points uniformly over the region; those off the stage or too near an earlier one are drawn again."""
     radius = scene.robot.body.radius
     spacing = 2 * radius + _separation(scene) if start.min_spacing is None else start.min_spacing
     left, bottom, right, top = scene.stage.box
@@ -63,18 +62,18 @@ def _at_random(scene: Scene, start: InStage | InRegion, rng: np.random.Generator
     if isinstance(start, InRegion):
         low, high = np.array(start.region.corners)[[0, 2]]
     grid = _Grid(spacing)
-    darts_in_all = _DARTS_PER_ROBOT * min(scene.robots, _most(high - low, spacing))
+    max_trials = _TRIALS_PER_ROBOT * min(scene.robots, _most(high - low, spacing))
     on_stage = 0
-    for _ in range(_THROWS):
-        darts = rng.uniform(low, high, (scene.robots, 2))
-        darts = darts[room_on_stage(darts, scene.stage) >= _room_needed(scene) - _ROUNDING]
-        for x, y in darts.tolist():
+    for _ in range(_ROUNDS):
+        trials = rng.uniform(low, high, (scene.robots, 2))
+        trials = trials[room_on_stage(trials, scene.stage) >= _room_needed(scene) - _ROUNDING]
+        for x, y in trials.tolist():
             if grid.is_free(x, y):
                 grid.add(x, y)
                 if len(grid.points) == scene.robots:
                     return np.column_stack([grid.points, rng.uniform(-np.pi, np.pi, scene.robots)])
-        on_stage += len(darts)
-        if on_stage >= darts_in_all:
+        on_stage += len(trials)
+        if on_stage >= max_trials:
             break
     width, height = high - low
     upright = isinstance(start, InRegion) or isinstance(scene.stage, Rectangle)
@@ -87,12 +86,12 @@ def _at_random(scene: Scene, start: InStage | InRegion, rng: np.random.Generator
 
 
 def _most(sides: Array, spacing: float) -> float:
-    """Return a bound on how many points `spacing` [m] apart a rectangle holds: discs cover at most pi / sqrt(12)."""
+    """Return an upper bound on the points `spacing` [m] apart in a rectangle: discs cover at most pi / sqrt(12)."""
     return 2 / np.sqrt(3) * float(np.prod(sides + spacing)) / spacing**2
 
 
 def _room_needed(scene: Scene) -> float:
-    """Return the distance [m] from the edge that a robot needs at first, whatever its heading: a barrier keeps it."""
+    """Return the distance [m] from the edge that a robot needs at the start, for any heading: a barrier keeps it."""
     body = scene.robot.body
     if not isinstance(scene.safety, Barrier):
         return body.radius
@@ -143,7 +142,7 @@ def _check_spacing(scene: Scene, poses: Array) -> None:
     middles = look_ahead(poses, ahead)
     least = 2 * radius + _separation(scene)
     i, j = pairs_within(middles, least - _ROUNDING)
-    # Apart are also those whose discs about the axles are: what a start at random has seen to.
+    # Discs about the axles that are apart suffice: a random start has ensured that.
     apart = np.hypot(*(poses[i] - poses[j])[:, :2].T) >= 2 * body.radius + _separation(scene) - _ROUNDING
     pairs = np.stack([i, j], axis=1)[~apart]
     if len(pairs):
@@ -151,22 +150,22 @@ def _check_spacing(scene: Scene, poses: Array) -> None:
         others = pairs[(pairs == one).any(axis=1)].sum(axis=1) - one
         distance = np.hypot(*(middles[others] - middles[one]).T)
         nearest = int(distance.argmin())
-        found, needed = _told_apart(float(distance[nearest]), least)
+        found, needed = _distinct_mm(float(distance[nearest]), least)
         raise scene.fault(
             "start.poses" if isinstance(scene.start, AtPoses) else "robots",
             f"{scene.robots} robots do not fit: robots {one + 1} and {others[nearest] + 1} would start "
-            f"{found} mm apart, and need {needed} mm{_on_the_contour_they_fit(scene, poses, least)}",
+            f"{found} mm apart, and need {needed} mm{_hint_of_l(scene, poses, least)}",
         )
 
 
-def _told_apart(less: float, more: float) -> tuple[str, str]:
-    """Return two lengths [m] in mm, in as few digits from three on as show that they differ."""
+def _distinct_mm(less: float, more: float) -> tuple[str, str]:
+    """Return two lengths [m] in mm, with as few digits, but at least three, as show that they differ."""
     digits = next(n for n in range(3, 18) if f"{1000 * less:.{n}g}" != f"{1000 * more:.{n}g}")
     return f"{1000 * less:.{digits}g}", f"{1000 * more:.{digits}g}"
 
 
-def _on_the_contour_they_fit(scene: Scene, poses: Array, least: float) -> str:
-    """Return what to say where it is `robot.l`, by which robots stand behind a contour, that leaves too little room."""
+def _hint_of_l(scene: Scene, poses: Array, least: float) -> str:
+    """Return a hint if the robots would fit on the contour itself, and not `robot.l` behind it."""
     if not (isinstance(scene.start, OnContour) and scene.robot.body.steers and scene.robot.l):
         return ""
     middles = look_ahead(poses, scene.robot.body.disc[0] + scene.robot.l)

@@ -1,4 +1,4 @@
-"""What `scene check` says of a run: how often commands were cut, how near bodies came, how fast they went."""
+"""Figures of a run for `scene check`: how often commands were cut, smallest distance of bodies, speeds."""
 
 from dataclasses import dataclass
 
@@ -31,7 +31,7 @@ class Summary:
     peak_speed: float
 
 
-def summarise(trajectory: Trajectory) -> Summary:
+def summarize(trajectory: Trajectory) -> Summary:
     """Return the figures of a run."""
     seconds = np.diff(trajectory.t)[:, None]
     speed = np.abs(trajectory.commands[..., 0])

@@ -1,4 +1,4 @@
-"""What a run leaves behind: poses at the ends of control periods and, between them, exact arcs."""
+"""The motion of a run: poses at the ends of control periods and, between them, exact arcs."""
 
 import hashlib
 from dataclasses import dataclass
@@ -15,15 +15,16 @@ class Trajectory:
     """The motion of a swarm; time, robot, coordinate.
 
     Attributes:
-        scene: that it is the run of.
+        scene: the scene that was run.
         t: sample times (T,) [s]: the starts of the control periods, and the end.
         poses: (T, N, 3) = x [m], y [m], heading [rad] at those times; an omnidirectional robot's heading is the
             direction of its motion in the period that starts there.
         commands: (T-1, N, 2) = v [m/s], omega [rad/s], held from one sample to the next.
         stage_cut: (T-1, N), whether v was cut to keep the body on the stage.
         separation_cut: (T-1, N), whether v was cut to keep bodies apart.
-        bend: (T-1, N), how far a barrier moved each command [m/s], as `Certified` says; None without a barrier.
-        relaxed: (T-1, N), where its program had no solution and this robot was too near to another; None without one.
+        bend: (T-1, N), how far a barrier moved each command [m/s], see `Certified`; None without a barrier.
+        relaxed: (T-1, N), where the barrier's program had no solution and this robot was too near to another; None
+            without a barrier.
     """
 
     scene: Scene
@@ -56,10 +57,10 @@ class Trajectory:
         v, omega = self.commands[:, robot].T
         seconds = np.diff(self.t)
         length, turn = np.abs(v) * seconds, np.abs(omega) * seconds
-        # An arc of length s that turns by a rises by at most s a / 8 above its chord; each of n parts, 1 / n^2 of it. A
-        # circle of radius s / a below half the tolerance needs no parts, however often it is run through.
-        seen = length > turn * tolerance / 2
-        parts = np.ceil(np.sqrt(np.where(seen, length * turn, 0.0) / (8 * tolerance))).astype(int)
+        # An arc of length s that turns by a rises by at most s a / 8 above its chord, and each of n parts by 1 / n^2 of
+        # that. A circle of radius s / a below half the tolerance needs no parts, however often the robot runs it.
+        visible = length > turn * tolerance / 2
+        parts = np.ceil(np.sqrt(np.where(visible, length * turn, 0.0) / (8 * tolerance))).astype(int)
         parts = np.maximum(parts, 1)
         period = np.repeat(np.arange(len(parts)), parts)
         within = np.arange(len(period)) - np.repeat(np.cumsum(parts) - parts, parts)
@@ -68,8 +69,15 @@ class Trajectory:
         end = self.at(self.t[-1:])[:, robot, :2]
         return np.append(self.t[period] + elapsed, self.t[-1]), np.concatenate([points, end])
 
+    def directions(self, times: Array, still: float) -> Array:
+        """Return the unit velocities (F, N, 2) at `times` (F,) [s], zero for robots no faster than `still` [m/s]."""
+        v = self.commands[np.searchsorted(self.t, times, side="right") - 1, :, 0]
+        sign = np.where(np.abs(v) > still, np.sign(v), 0.0)
+        heading = self.at(times)[..., 2]
+        return np.stack([sign * np.cos(heading), sign * np.sin(heading)], axis=-1)
+
     def digest(self) -> str:
-        """Return the SHA-256 of times, poses and commands: what the motion is, however it is drawn."""
+        """Return the SHA-256 of times, poses and commands: of the motion, however it is drawn."""
         sha = hashlib.sha256()
         for array in (self.t, self.poses, self.commands):
             sha.update(np.ascontiguousarray(array, dtype="<f8").tobytes())

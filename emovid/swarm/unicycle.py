@@ -20,8 +20,8 @@ def near_identity(u: Array, heading: Array, K: float, l: float) -> Array:
     """Return the commands (N, 2) that move each look-ahead point with velocity `K u`.
 
     Appendix B: (v, omega) = K [[cos, sin], [-sin / l, cos / l]] u. While the robot turns the look-ahead point leaves
-    that direction, so with a command held for T its motion is `K u` only at first: the larger `K |u| T / l`, the more
-    angular the trace.
+    that direction, so with a command held for T its motion is `K u` only at first: a larger `K |u| T / l` makes a more
+    angular trace.
 
     Args:
         u: single-integrator velocities (N, 2) [m/s].
@@ -38,8 +38,8 @@ def near_identity(u: Array, heading: Array, K: float, l: float) -> Array:
 def move(poses: Array, commands: Array, seconds: float | Array) -> Array:
     """Return the poses after `seconds` under constant commands: an exact arc of a circle, not an Euler step.
 
-    The chord of an arc of length v t that turns by omega t is v t sinc(omega t / 2), at the mean heading; this form is
-    exact for omega = 0 too. Headings are returned in (-pi, pi].
+    The chord of an arc of length v t that turns by omega t is v t sinc(omega t / 2), at the mean heading; this form
+    also holds for omega = 0. Headings are returned in (-pi, pi].
     """
     turn = commands[..., 1] * seconds
     chord = commands[..., 0] * seconds * np.sinc(turn / (2 * np.pi))  # numpy's sinc has the pi inside
@@ -55,13 +55,13 @@ def wrapped(angle: Array) -> Array:
 
 
 def within_limits(commands: Array, limits: Limits | None, wheel_base: float, clip: bool = False) -> Array:
-    """Return the commands scaled to what the motors can do, v and omega alike, so that the path keeps its curvature.
+    """Return the commands within the motors' limits, v and omega scaled alike so that the path keeps its curvature.
 
     Args:
         commands: (N, 2).
-        limits: of v [m/s], omega [rad/s] and the wheels' speed [m/s]; None for no limits.
+        limits: of v [m/s], omega [rad/s] and the wheels' speed [m/s], or None.
         wheel_base: distance of the wheels [m]; a wheel runs at v -+ omega wheel_base / 2.
-        clip: cut each wheel's speed alone first, which bends the path, as the Robotarium's simulator does.
+        clip: first cut each wheel's speed on its own, which bends the path, as the Robotarium's simulator does.
     """
     if limits is None:
         return commands

@@ -1,34 +1,89 @@
-"""Voronoi cells within a convex stage, as fans of triangles about the robots, in time N log N.
+"""Voronoi cells within a convex stage as fans of triangles about the robots, in time N log N; and pairs of neighbors.
 
-Places and vectors are complex numbers here: conj(a) b is the dot product of a and b, plus i times their cross product.
+Positions and vectors are complex numbers: conj(a) b is the dot product of a and b, plus i times their cross product.
 
 Two cells meet along the bisector of two robots that are linked in the Delaunay triangulation. From a robot at p to one
 at p + d, the bisector is p + d/2 + s i d; the border of the two cells ends where s is half the cotangent of the angle
-that faces the link, in the triangle on either side. It is cut to the stage, and what the borders leave open along the
-stage's edges closes the cells. No circumcentre is computed, so flat triangles with far ones do no harm.
+that faces the link, in the triangle on either side. The border is clipped to the stage, and the parts of the stage's
+edges that the borders leave open close the cells. No circumcenter is computed, so flat triangles with distant
+circumcenters do no harm.
 
-In a small swarm every robot faces every pair: that takes three fifths of Qhull's time for 15 robots, as much for 25,
-and spares importing it.
+In a small swarm, all pairs of robots are compared with all others: this takes three fifths of Qhull's time for 15
+robots, and as much for 25. scipy is imported for large swarms only: its import takes as long as drawing eight seconds
+of video.
 """
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
 from emovid.swarm.arrays import Array, Complex, Indices, Mask
-from emovid.swarm.cell_clipping import cut_cells
-from emovid.swarm.neighbor_pairs import all_pairs
 
+_FEW_POINTS = 40  # for which comparing all pairs is faster than building a tree
 _FEW = 20  # robots for which pairs are faster than Qhull
-_TOLERANCE = 1e-9  # far above rounding (1e-12), far below what a wrong triangulation gives (1e-3)
+_TOLERANCE = 1e-9  # far above rounding (1e-12), far below the effect of a wrong triangulation (1e-3)
+
+
+def pairs_within(points: Array, distance: float) -> tuple[Indices, Indices]:
+    """Return the pairs i < j, (P,) each and in order, of points (N, 2) at most `distance` apart."""
+    if len(points) <= _FEW_POINTS:
+        i, j = all_pairs(len(points))
+        x, y = (points[j] - points[i]).T
+        near = np.flatnonzero(x * x + y * y <= distance * distance)
+        return i[near], j[near]
+    from scipy.spatial import cKDTree  # noqa: PLC0415 - see above
+
+    near = cKDTree(points).query_pairs(distance, output_type="ndarray")
+    i, j = near[np.lexsort(near.T[::-1])].T
+    return i, j
+
+
+@cache
+def all_pairs(points: int) -> tuple[Indices, Indices]:
+    """Return all pairs i < j, (P,) each and in order."""
+    i, j = np.triu_indices(points, 1)
+    return i, j
+
+
+def clipped_cells(robots: Complex, outline: Complex) -> list[Complex]:
+    """Return the corners of each robot's cell [m] from the robot, counter-clockwise: slow, and simple.
+
+    A cell is the stage, clipped at the bisectors to the other robots.
+
+    Args:
+        robots: (N,) [m], no two coincident.
+        outline: corners of the convex stage (C,) [m], counter-clockwise.
+    """
+    return [_clipped_cell(robots - robot, outline - robot) for robot in robots]
+
+
+def _clipped_cell(others: Complex, cell: Complex) -> Complex:
+    """Clip at the bisectors to the others, nearest first, until they are twice as far as the farthest corner."""
+    nearest_first = np.argsort(np.abs(others), kind="stable")[1:]  # the first is the robot itself
+    for other in others[nearest_first]:
+        if np.abs(other) >= 2 * np.max(np.abs(cell), initial=0.0):
+            break
+        cell = _clip(cell, other)
+    return cell
+
+
+def _clip(cell: Complex, other: complex) -> Complex:
+    """Return the part of a convex polygon that is no nearer to `other` than to the origin."""
+    beyond = (np.conj(other) * cell).real - abs(other) ** 2 / 2
+    out = beyond > 0
+    crossed = out != np.roll(out, -1)
+    share = beyond / np.where(crossed, beyond - np.roll(beyond, -1), 1.0)
+    crossing = cell + share * (np.roll(cell, -1) - cell)
+    return np.stack([cell, crossing], axis=1)[np.stack([~out, crossed], axis=1)]
 
 
 class Fans(NamedTuple):
     """Triangles, each with one corner at a robot, that tile the robots' cells and so the stage.
 
     Attributes:
-        cell_of: the cell of each robot (N,); robots at one place share it.
-        robot: the place of each cell's robots (cells,) [m].
+        cell_of: the cell of each robot (N,); coincident robots share it.
+        robot: the position of each cell's robots (cells,) [m].
         cell: the cell of each triangle (K,).
         a, b: its other corners (K,) [m] as seen from the robot, counter-clockwise.
     """
@@ -41,9 +96,9 @@ class Fans(NamedTuple):
 
 
 class _Links(NamedTuple):
-    """Pairs of neighbours i, j (L,), and the ends of their borders on the bisectors (L,): s, infinite for no end.
+    """Pairs of neighbors i, j (L,), and the ends of their borders on the bisectors (L,): s, infinite for no end.
 
-    `left` and `right` are as seen from i towards j.
+    `left` and `right` are seen from i towards j.
     """
 
     i: Indices
@@ -63,14 +118,14 @@ def voronoi_fans(points: Array, corners: Array) -> Fans:
     cell_of = np.arange(len(robots))
     with np.errstate(divide="ignore", invalid="ignore"):
         links = _links(robots)
-        if links is None:  # robots at one place, on a line, or too near to each other
+        if links is None:  # robots that coincide, are on a line, or are too near to each other
             robots, cell_of = np.unique(robots, return_inverse=True)
             links = _links(robots) or _links_on_a_line(robots)
         cell, a, b = _fans(robots, links, outline)
     stage = ((outline[1:-1] - outline[0]).conj() * (outline[2:] - outline[0])).imag.sum()
     if not abs((a.conj() * b).imag.sum() - stage) <= _TOLERANCE * stage:
-        # Robots less than some 1e-7 of the swarm's extent apart: Qhull's rounding errors are as large.
-        cells = cut_cells(robots, outline)
+        # Robots less than some 1e-7 of the swarm's extent apart: the rounding errors of Qhull are as large.
+        cells = clipped_cells(robots, outline)
         cell = np.repeat(np.arange(len(cells)), [len(ring) for ring in cells])
         a, b = np.concatenate(cells), np.concatenate([np.roll(ring, -1) for ring in cells])
     return Fans(cell_of, robots, cell, a, b)
@@ -101,19 +156,19 @@ def _complex(points: Array) -> Complex:
 
 
 def _links(robots: Complex) -> _Links | None:
-    """Return the links, or None if robots at one place, on a line or too near to each other prevent that."""
+    """Return the links, or None if robots coincide, are on a line or are too near to each other."""
     return _links_of_pairs(robots) if len(robots) <= _FEW else _delaunay_links(robots)
 
 
 def _links_of_pairs(robots: Complex) -> _Links | None:
-    """Return the links among all pairs, with borders as every third robot leaves them; None for two at one place."""
+    """Return the links among all pairs, their borders clipped by every third robot; None for coincident robots."""
     i, j = all_pairs(len(robots))
     link = robots[j] - robots[i]
     if not link.all():
         return None
     to_i, to_j = robots[i] - robots[:, None], robots[j] - robots[:, None]  # from each third robot (N, pairs)
-    # Twice the triangle's area, above 0 on the left of the link, is most exact where the shorter sides meet. It is not
-    # -0.0: on the link's line, a robot between the two takes all of their border, and one beside them nothing.
+    # Twice the triangle's area, above 0 on the left of the link, is most exact where the shorter sides meet. It must
+    # not be -0.0: on the link's line, a robot between the two takes all of their border, and one beside them nothing.
     leftwards = (np.where(np.abs(to_i) < np.abs(to_j), to_i, to_j).conj() * link).imag + 0.0
     end = (to_i.conj() * to_j).real / leftwards / 2
     on_left = leftwards >= 0
@@ -124,8 +179,8 @@ def _links_of_pairs(robots: Complex) -> _Links | None:
 
 
 def _delaunay_links(robots: Complex) -> _Links | None:
-    """Return the links of the Delaunay triangulation, or None if Qhull finds none, or not one of all robots."""
-    from scipy.spatial import Delaunay, QhullError  # noqa: PLC0415 - small swarms do without: see `near`
+    """Return the links of the Delaunay triangulation, or None if Qhull finds none, or leaves out robots."""
+    from scipy.spatial import Delaunay, QhullError  # noqa: PLC0415 - see above
 
     try:
         triangulation = Delaunay((robots - robots[0]).view(float).reshape(-1, 2))
@@ -147,7 +202,7 @@ def _delaunay_links(robots: Complex) -> _Links | None:
     facing_there = (across[other] == triangle[:, None]).argmax(axis=1)
     left, right = end[triangle, facing], -end[other, facing_there]
     right[other < 0] = -np.inf
-    if (right - left > _TOLERANCE * (1 + left**2 + right**2)).any():  # a border the wrong way round
+    if (right - left > _TOLERANCE * (1 + left**2 + right**2)).any():  # a border with its ends swapped
         return None
     return _Links(robot[triangle, facing - 2], robot[triangle, facing - 1], right, left)
 
@@ -168,7 +223,7 @@ def _fans(robots: Complex, links: _Links, outline: Complex) -> tuple[Indices, Co
     near: Indices | slice = slice(None)
     rim = np.full(len(robots), True)
     if len(robots) > _FEW:
-        # Only a cell with a corner farther off than the nearest edge can reach the rim of the stage.
+        # Only a cell with a corner farther away than the nearest edge can reach the rim of the stage.
         room = ((robots[:, None] - outline) * (side / np.abs(side)).conj()).imag.min(axis=1)
         far = (d.real**2 + d.imag**2) * (0.25 + np.maximum(left**2, right**2)) >= room[i] ** 2
         rim[:] = False
@@ -176,7 +231,7 @@ def _fans(robots: Complex, links: _Links, outline: Complex) -> tuple[Indices, Co
         near = np.flatnonzero(rim[i] | rim[j])
     # A bisector meets the line of an edge at middle + s i d = corner + t side.
     link, to_corner = d[near, None], outline - middle[near, None]
-    slope = (link * side.conj()).real + 0.0  # not -0.0: along such an edge, all is nearer to i, or all to j
+    slope = (link * side.conj()).real + 0.0  # not -0.0: all of such an edge is nearer to i, or all to j
     s = (to_corner * side.conj()).imag / slope
     t = (to_corner * link.conj()).real / -slope
     falling = slope < 0
@@ -186,13 +241,13 @@ def _fans(robots: Complex, links: _Links, outline: Complex) -> tuple[Indices, Co
     right[near] = np.minimum(np.maximum(right[near], first), last)
     stretch, begin, end = _along_edges(rim, i[near], j[near], t, falling)
     on_rim, edge = np.divmod(stretch, len(side))
-    seen = np.flatnonzero(left != right)
-    half, way = d[seen] / 2, 1j * d[seen]
-    right_end, left_end = right[seen] * way, left[seen] * way
+    kept = np.flatnonzero(left != right)
+    half, way = d[kept] / 2, 1j * d[kept]
+    right_end, left_end = right[kept] * way, left[kept] * way
     start, stop = (outline[edge] + t * side[edge] - robots[on_rim] for t in (begin, end))
     a = np.concatenate([half + right_end, left_end - half, start])
     b = np.concatenate([half + left_end, right_end - half, stop])
-    return np.concatenate([i[seen], j[seen], on_rim]), a, b
+    return np.concatenate([i[kept], j[kept], on_rim]), a, b
 
 
 def _along_edges(rim: Mask, i: Indices, j: Indices, t: Array, falling: Mask) -> tuple[Indices, Array, Array]:

@@ -10,10 +10,9 @@ from typing import Self
 import numpy as np
 
 from emovid.scene.stage import Stage
-from emovid.scene.video import Video
-from emovid.scene.view import MARGIN, Aim, aim_of
+from emovid.scene.video import MARGIN, Aim, Video, aim_of
 from emovid.swarm.arrays import Array
-from emovid.swarm.coverage import corners_of
+from emovid.swarm.laws import corners_of
 
 
 @dataclass(frozen=True)

@@ -13,12 +13,10 @@ from matplotlib.transforms import Affine2D
 from emovid.scene.behaviour import Coverage
 from emovid.scene.model import Scene
 from emovid.scene.stage import Stage
-from emovid.scene.video import Colours
-from emovid.scene.view import MARGIN
+from emovid.scene.video import MARGIN, Colours
 from emovid.swarm.arrays import Array
-from emovid.swarm.contours import followed_points, start_angles
-from emovid.swarm.coverage import corners_of, mass_and_centroid
 from emovid.swarm.densities import Density, density_of
+from emovid.swarm.laws import corners_of, followed_points, mass_and_centroid, start_angles
 from emovid.swarm.voronoi import voronoi_cells
 from emovid.video.cameras import Camera
 from emovid.video.canvas import Canvas, Layer, Pixels, rgba

@@ -14,8 +14,8 @@ from emovid.scene.model import Scene
 from emovid.scene.video import Colours, Video, ViewName
 from emovid.signals import held_signals
 from emovid.swarm.arrays import Array
-from emovid.swarm.coverage import corners_of
 from emovid.swarm.densities import density_of
+from emovid.swarm.laws import corners_of
 from emovid.swarm.trajectory import Trajectory
 from emovid.video import overlays
 from emovid.video.cameras import Camera, OverheadCamera, PinholeCamera

@@ -11,7 +11,7 @@ from emovid.cli.main import main
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import load_scene, shipped_scene
 from emovid.swarm.simulate import simulate
-from emovid.swarm.summary import summarise
+from emovid.swarm.summary import summarize
 from tests.helpers.terminal import on_a_terminal
 
 EMOVID = [sys.executable, "-m", "emovid"]
@@ -124,7 +124,7 @@ def test_a_scene_from_a_pipe_is_shown_and_copied() -> None:
 def test_scene_check_reports_the_run(capsys) -> None:
     assert main(["scene", "check", "anger", "--json", "--set", "duration=3"]) == 0
     found = json.loads(capsys.readouterr().out)
-    expected = summarise(simulate(load_scene("anger").model_copy(update={"duration": 3.0})))
+    expected = summarize(simulate(load_scene("anger").model_copy(update={"duration": 3.0})))
     assert found["body_distance"] == expected.body_distance
     assert found["stage_cut_share"] == expected.stage_cut_share
     assert main(["scene", "check", "anger", "--set", "duration=3"]) == 0

@@ -18,10 +18,9 @@ from emovid.figures.following import LARGE_L, PATH, SMALL_L, follow, following_f
 from emovid.figures.interaction import interaction_figure, neighbours
 from emovid.figures.robot import robot_figure
 from emovid.figures.shapes import arrows_of, expanded, shapes_figure
-from emovid.scene.robot_files import load_robot
+from emovid.scene.load import load_robot
 from emovid.scene.robots import Body
-from emovid.swarm.contours import followed_points, start_angles
-from emovid.swarm.coverage import corners_of
+from emovid.swarm.laws import corners_of, followed_points, start_angles
 from emovid.swarm.simulate import simulate
 from emovid.swarm.start import start_poses
 from emovid.swarm.unicycle import look_ahead, near_identity

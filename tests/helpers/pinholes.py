@@ -3,7 +3,7 @@
 import numpy as np
 from hypothesis import strategies as st
 
-from emovid.scene.view import Aim
+from emovid.scene.video import Aim
 from emovid.video.cameras import PinholeCamera
 
 AIMS = st.builds(

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from emovid.measure.claim_metrics import evidence, speeds_in_a_second
+from emovid.measure.describe import claim_metrics, speeds_in_a_second
 from emovid.scene.load import Setting, load_scene
 from emovid.swarm.simulate import simulate
 
@@ -25,7 +25,7 @@ def test_a_run_of_less_than_a_second_is_one_window() -> None:
 
 
 def test_sadness_has_gone_an_eighth_of_its_circle() -> None:
-    found = evidence(simulate(load_scene("sadness")))
+    found = claim_metrics(simulate(load_scene("sadness")))
     assert found["circumference_share"] == pytest.approx(1 / 8, rel=0.05)
     assert found["neighbour_gain"] == pytest.approx(1, abs=0.02)
 
@@ -33,7 +33,7 @@ def test_sadness_has_gone_an_eighth_of_its_circle() -> None:
 @pytest.mark.parametrize("name", ["happiness", "fear"])
 def test_a_lone_robot_has_no_swarm_whose_size_could_grow(name: str) -> None:
     alone = simulate(load_scene(name, [Setting("robots", 1, "test"), Setting("duration", 1, "test")]))
-    found = evidence(alone)
+    found = claim_metrics(alone)
     missing = {key for key, value in found.items() if np.isnan(value)}
     assert {"size_gain", "circumference_share", "neighbour_gain"} <= missing
     assert not missing & {"slowest_second", "fastest_second", "centre_gain", "boundary_share", "speed_mean"}

@@ -3,8 +3,8 @@ from math import nan
 
 import pytest
 
-from emovid.measure.claim_metrics import evidence
 from emovid.measure.claims import CLAIMS, NOT_APPLIED, Claim, Quantity, excepted, judge
+from emovid.measure.describe import claim_metrics
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, load_scene
 from emovid.swarm.simulate import simulate
@@ -15,7 +15,7 @@ SEEDS = (0, 1, 7, 21, 42)  # all of 0..49: make bench
 
 def measured_at(seed: int, *settings: tuple[str, object]) -> dict[str, dict[str, float]]:
     keys = [Setting("seed", seed, "test"), *(Setting(key, value, "test") for key, value in settings)]
-    return {name: evidence(simulate(load_scene(name, keys))) for name in EMOTIONS}
+    return {name: claim_metrics(simulate(load_scene(name, keys))) for name in EMOTIONS}
 
 
 @cache
@@ -67,7 +67,7 @@ def test_swapped_emotions_are_found_out() -> None:
 
 @pytest.mark.parametrize("name", ["fear", "disgust"])
 def test_a_large_l_takes_the_angles_away(name: str) -> None:
-    measured = {**shipped(), name: evidence(simulate(load_scene(name, [Setting("robot.l", 0.05, "test")])))}
+    measured = {**shipped(), name: claim_metrics(simulate(load_scene(name, [Setting("robot.l", 0.05, "test")])))}
     failed = [verdict.claim for verdict in judge(measured) if not verdict.holds]
     assert "fear, disgust and anger turn more per metre than the others" in failed
     assert "fear, disgust and anger have sharp corners along more than a third of their traces" in failed

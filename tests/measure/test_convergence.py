@@ -3,10 +3,10 @@ from math import isnan
 import numpy as np
 import pytest
 
-from emovid.measure.convergence import convergence, lloyd, mean_cost
+from emovid.measure.convergence import convergence, mean_cost
 from emovid.measure.window import Window
-from emovid.swarm.coverage import corners_of
 from emovid.swarm.densities import density_of
+from emovid.swarm.laws import corners_of, lloyd
 from emovid.swarm.simulate import simulate
 from tests.helpers.driven import driven, standing
 
@@ -48,14 +48,14 @@ def test_two_robots_settle_in_the_middles_of_the_halves(make_scene) -> None:
     found = of(standing(scene, [[0.1, 0.05], [0.2, -0.1]]))
     assert found["cost_converged"] == pytest.approx((0.6**2 + 0.8**2) / 12, rel=1e-4)
     assert found["cost_progress"] == 0
-    settled = lloyd(np.array([[0.1, 0.05], [0.2, -0.1]]), *of_stage(scene), 1e-12)
+    settled = lloyd(np.array([[0.1, 0.05], [0.2, -0.1]]), *of_stage(scene), gain=1e-12)
     assert np.abs(settled) == pytest.approx(np.array([[0.3, 0], [0.3, 0]]), abs=1e-4)
 
 
 def test_lloyd_s_iteration_ends_even_where_it_would_go_on_for_ever(make_scene) -> None:
     stage = of_stage(make_scene("fear"))
     start = np.array([[0.1, 0.05], [0.2, -0.1]])
-    assert lloyd(start, *stage, 0.0) == pytest.approx(lloyd(start, *stage, 1e-15), abs=1e-6)
+    assert lloyd(start, *stage, gain=0.0) == pytest.approx(lloyd(start, *stage, gain=1e-15), abs=1e-6)
 
 
 def test_robots_in_one_place_cost_what_one_costs(make_scene) -> None:
@@ -71,8 +71,8 @@ def test_lloyd_s_iteration_only_goes_down_and_ends_at_the_centroids(make_scene, 
     assert found["cost_start"] > found["cost_end"] > found["cost_converged"] > 0
     assert found["cost_ratio"] == pytest.approx(found["cost_end"] / found["cost_converged"])
     corners, density = of_stage(run.scene)
-    settled = lloyd(run.poses[-1, :, :2], corners, density, 1e-6 * found["cost_end"])
-    again = lloyd(settled, corners, density, 1e-9 * found["cost_end"])
+    settled = lloyd(run.poses[-1, :, :2], corners, density, gain=1e-6 * found["cost_end"])
+    again = lloyd(settled, corners, density, gain=1e-9 * found["cost_end"])
     assert mean_cost(again, corners, density) == pytest.approx(found["cost_converged"], rel=1e-3)
     assert np.hypot(*(again - settled).T).max() < 0.02
 

@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emovid.measure.crowding import crowding, order
-from emovid.measure.stage_geometry import ground_of
+from emovid.measure.arrangement import crowding, order
 from emovid.measure.window import Window
 from tests.helpers.driven import driven, ring, standing
 
@@ -14,7 +13,7 @@ TRIANGLE = [{"x": 0.0, "y": 0.0}, {"x": 0.9, "y": 0.0}, {"x": 0.0, "y": 1.2}]  #
 
 
 def of(run) -> dict[str, float]:
-    return crowding(Window(run, 0.0, float(run.t[-1])), ground_of(run.scene.stage))
+    return crowding(Window(run, 0.0, float(run.t[-1])))
 
 
 def test_distances_on_a_rectangle(make_scene) -> None:
@@ -33,10 +32,11 @@ def test_distances_on_a_triangle(make_scene) -> None:
         "behaviour.density": {"kind": "uniform"},
     }
     scene = make_scene("fear", keys)
-    ground = ground_of(scene.stage)
-    assert (ground.area, ground.diagonal) == pytest.approx((0.54, 1.5))
-    assert ground.centre == pytest.approx([0.3, 0.4])
-    incentre = of(standing(scene, [[0.3, 0.3]]))
+    incentre_run = standing(scene, [[0.3, 0.3]])
+    area, diagonal, centre = Window(incentre_run, 0.0, 0.1).stage
+    assert (area, diagonal) == pytest.approx((0.54, 1.5))
+    assert centre == pytest.approx([0.3, 0.4])
+    incentre = of(incentre_run)
     assert incentre["distance_to_boundary_mean"] == pytest.approx(0.3)
     assert incentre["distance_to_centre_mean"] == pytest.approx(0.1)
 

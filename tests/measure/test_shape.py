@@ -5,14 +5,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emovid.measure.shape import hull_of, shape
-from emovid.measure.stage_geometry import ground_of
+from emovid.measure.arrangement import hull_of, shape
 from emovid.measure.window import Window
 from tests.helpers.driven import driven, ring, standing
 
 
 def of(run) -> dict[str, float]:
-    return shape(Window(run, 0.0, float(run.t[-1])), ground_of(run.scene.stage))
+    return shape(Window(run, 0.0, float(run.t[-1])))
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emovid.measure.smoothness import log_dimensionless_jerk, smoothness, sparc
+from emovid.measure.kinematics import log_dimensionless_jerk, smoothness, sparc
 from emovid.measure.window import Window
 from tests.helpers.driven import driven, standing
 

@@ -3,8 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emovid.measure.speed import quantile, speed
-from emovid.measure.stage_geometry import ground_of
+from emovid.measure.kinematics import quantile, speed
 from emovid.measure.window import Window
 from tests.helpers.driven import driven
 
@@ -17,7 +16,7 @@ def two(make_scene):
 
 
 def of(run, start: float, end: float) -> dict[str, float]:
-    return speed(Window(run, start, end), ground_of(run.scene.stage))
+    return speed(Window(run, start, end))
 
 
 def test_speed_is_that_of_the_commands_over_robots_and_time(two) -> None:

@@ -13,7 +13,7 @@ from emovid.scene.emotions import EMOTIONS, PLATFORMS
 from emovid.scene.load import Setting, load_scene
 from emovid.scene.model import Scene
 from emovid.swarm.clearance import room_on_stage
-from emovid.swarm.contours import followed_points, start_angles
+from emovid.swarm.laws import followed_points, start_angles
 from emovid.swarm.simulate import simulate
 from emovid.swarm.unicycle import look_ahead
 

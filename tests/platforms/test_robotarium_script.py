@@ -19,9 +19,8 @@ from emovid.scene.behaviour import Coverage
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, load_scene, scene_digest
 from emovid.scene.model import Scene
-from emovid.swarm.contours import followed_points, start_angles
-from emovid.swarm.coverage import corners_of, mass_and_centroid
 from emovid.swarm.densities import density_of
+from emovid.swarm.laws import corners_of, followed_points, mass_and_centroid, start_angles
 from emovid.swarm.projection import nearest_within
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory

@@ -4,8 +4,7 @@ import pytest
 
 from emovid.errors import SourceError
 from emovid.scene.stage import Rectangle
-from emovid.scene.video import CameraKeys, Video
-from emovid.scene.view import aim_of, view_faults
+from emovid.scene.video import CameraKeys, Video, aim_of, view_faults
 
 GRITSBOTS, ROBOTARIUM = Rectangle(width=1.2, height=0.8), Rectangle(width=4.3, height=3.6)
 

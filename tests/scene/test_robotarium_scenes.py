@@ -6,7 +6,7 @@ from emovid.measure.claims import CLAIMS, Quantity, claims_on, excepted
 from emovid.scene.emotions import EMOTIONS, PLATFORMS
 from emovid.scene.load import load_scene, shipped_names, shipped_scene
 from emovid.scene.model import Scene
-from emovid.scene.safety import Barrier
+from emovid.scene.robots import Barrier
 from emovid.yaml_source import read_yaml
 
 TIMES = {"robotarium": 8, "robotarium-today": 5}  # how many times as slow as in simulation

@@ -11,10 +11,17 @@ import pytest
 
 from emovid.cli.main import main
 from emovid.errors import SourceError
-from emovid.scene.load import Setting, load_scene, parse_scene, scene_digest, scene_text
-from emovid.scene.robot_files import load_robot, shipped_robots
+from emovid.scene.load import (
+    Setting,
+    load_robot,
+    load_scene,
+    parse_scene,
+    scene_digest,
+    scene_schema,
+    scene_text,
+    shipped_robots,
+)
 from emovid.scene.robots import Limits
-from emovid.scene.schema import scene_schema
 
 ROOT = Path(__file__).parents[2]
 GUIDE = (ROOT / "docs" / "robots.md").read_text()

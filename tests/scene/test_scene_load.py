@@ -10,9 +10,17 @@ from pydantic import ValidationError
 
 from emovid.errors import SourceError
 from emovid.scene.emotions import EMOTIONS
-from emovid.scene.load import Setting, find_scene, load_scene, parse_scene, scene_digest, scene_text, shipped_scene
+from emovid.scene.load import (
+    Setting,
+    find_scene,
+    load_scene,
+    parse_scene,
+    scene_digest,
+    scene_schema,
+    scene_text,
+    shipped_scene,
+)
 from emovid.scene.model import Scene
-from emovid.scene.schema import scene_schema
 from emovid.yaml_source import read_yaml
 
 CONFIGS = Path(__file__).parents[2] / "configs"

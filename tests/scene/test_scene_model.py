@@ -3,8 +3,7 @@ from math import sqrt
 import pytest
 
 from emovid.errors import nearest
-from emovid.scene.load import Setting, load_scene
-from emovid.scene.robot_files import load_robot
+from emovid.scene.load import Setting, load_robot, load_scene
 
 
 @pytest.mark.parametrize(

@@ -4,9 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from emovid.scene.convex import edges_of, first_fault, inradius_of, outline_of
 from emovid.scene.load import Setting, load_scene, parse_scene, scene_digest, scene_text
-from emovid.scene.stage import Rectangle
+from emovid.scene.stage import Rectangle, edges_of, first_fault, inradius_of, outline_of
 from tests.helpers.stages import HEXAGON, THIN, TRIANGLE, convex_corners, keys_of, polygon
 
 BOX = [(-0.6, -0.4), (0.6, -0.4), (0.6, 0.4), (-0.6, 0.4)]

@@ -9,10 +9,10 @@ from scipy.optimize import minimize
 
 from emovid.scene.load import Setting, load_scene
 from emovid.scene.model import Scene
-from emovid.scene.safety import spacing_of
+from emovid.scene.robots import spacing_of
 from emovid.swarm.barrier import Certified, certified
 from emovid.swarm.clearance import room_on_stage
-from emovid.swarm.coverage import coverage_velocity
+from emovid.swarm.laws import coverage_velocity
 from emovid.swarm.simulate import simulate
 from emovid.swarm.start import start_poses
 from emovid.swarm.summary import closest_approach

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from emovid.scene.behaviour import Circle, CircularSinusoid, Contour, ExpandingCircle
-from emovid.swarm.contours import followed_points, radius, start_angles, start_headings
+from emovid.swarm.laws import followed_points, radius, start_angles, start_headings
 
 HAPPY = CircularSinusoid(law="contour", shape="circular_sinusoid", R=0.3, A=0.05, f=6, angular_rate=1.0)
 SURPRISED = ExpandingCircle(

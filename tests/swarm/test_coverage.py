@@ -5,8 +5,8 @@ from scipy.special import erf
 from emovid.scene.behaviour import Boundary, Coverage, Gaussian, Uniform
 from emovid.scene.load import load_scene
 from emovid.scene.stage import Rectangle
-from emovid.swarm.coverage import corners_of, coverage_velocity, mass_and_centroid
 from emovid.swarm.densities import density_of
+from emovid.swarm.laws import corners_of, coverage_velocity, mass_and_centroid
 from emovid.swarm.voronoi import voronoi_cells
 from tests.helpers.polygons import centroid_by_dblquad, shoelace
 from tests.helpers.stages import HEXAGON, polygon

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from emovid.scene.load import Setting, load_scene
-from emovid.swarm.contours import followed_points, start_angles
+from emovid.swarm.laws import followed_points, start_angles
 from emovid.swarm.simulate import simulate
 from emovid.swarm.unicycle import look_ahead, move, near_identity
 

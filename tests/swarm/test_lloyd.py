@@ -6,8 +6,8 @@ from scipy.integrate import dblquad
 
 from emovid.scene.behaviour import Boundary, Gaussian, Uniform
 from emovid.scene.stage import Rectangle
-from emovid.swarm.coverage import corners_of, locational_cost, mass_and_centroid
 from emovid.swarm.densities import density_of
+from emovid.swarm.laws import corners_of, locational_cost, mass_and_centroid
 
 STAGE = Rectangle(width=1.2, height=0.8)
 CORNERS = corners_of(STAGE)

@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emovid.swarm import neighbor_pairs
-from emovid.swarm.neighbor_pairs import pairs_within
+from emovid.swarm import voronoi
+from emovid.swarm.voronoi import pairs_within
 
 # A coarse grid makes points at one place, and distances of exactly that asked for, likely.
 POINT = st.tuples(st.integers(-8, 8), st.integers(-8, 8))
@@ -20,6 +20,6 @@ def test_pairs_are_those_whose_distance_says_so(points: list[tuple[int, int]], d
         if i < j and (x - other_x) ** 2 + (y - other_y) ** 2 <= distance**2
     ]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(neighbor_pairs, "_FEW", few)
+        patch.setattr(voronoi, "_FEW_POINTS", few)
         i, j = pairs_within(np.array(points, dtype=float).reshape(-1, 2), float(distance))
     assert list(zip(i.tolist(), j.tolist(), strict=True)) == expected

@@ -11,8 +11,8 @@ from scipy.special import roots_jacobi
 from emovid.scene.behaviour import Boundary, Gaussian, Uniform
 from emovid.scene.stage import Rectangle
 from emovid.swarm import quadrature
-from emovid.swarm.coverage import corners_of, locational_cost, mass_and_centroid
 from emovid.swarm.densities import Density, density_of
+from emovid.swarm.laws import corners_of, locational_cost, mass_and_centroid
 from tests.helpers.stages import HEXAGON, TRIANGLE, polygon
 
 STAGE = Rectangle(width=1.2, height=0.8)

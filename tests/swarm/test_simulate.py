@@ -10,9 +10,9 @@ from scipy.spatial import cKDTree
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import load_scene
 from emovid.swarm.clearance import room_on_stage
-from emovid.swarm.contours import followed_points, start_angles
+from emovid.swarm.laws import followed_points, start_angles
 from emovid.swarm.simulate import sample_times, simulate
-from emovid.swarm.summary import summarise
+from emovid.swarm.summary import summarize
 from emovid.swarm.trajectory import Trajectory
 from emovid.swarm.unicycle import look_ahead, move
 from tests.helpers.stages import HEXAGON, THIN, TRIANGLE, convex_corners, keys_of
@@ -99,7 +99,7 @@ def test_fast_emotions_are_faster_than_slow_ones(runs) -> None:
 
 @pytest.mark.parametrize("emotion", EMOTIONS)
 def test_shipped_scenes_neither_overlap_nor_lean_on_the_edge(runs, emotion) -> None:
-    found = summarise(runs[emotion])
+    found = summarize(runs[emotion])
     assert found.body_distance > 0
     assert found.stage_cut_share <= 0.05
 
@@ -194,7 +194,7 @@ def test_bodies_stay_on_the_stage_whatever_the_control(make_scene, emotion, K, l
     half = np.array([0.6, 0.4]) - run.scene.robot.body.radius
     assert (np.abs(run.at(np.linspace(0, 2, 400))[..., :2]) <= half + 1e-9).all()
     if emotion in ("fear", "disgust", "anger"):
-        assert summarise(run).body_distance >= run.scene.behaviour.separation - 1e-8
+        assert summarize(run).body_distance >= run.scene.behaviour.separation - 1e-8
 
 
 def test_the_simulator_needs_no_matplotlib() -> None:

@@ -10,7 +10,7 @@ from emovid.errors import SourceError
 from emovid.scene.model import Scene
 from emovid.swarm import start
 from emovid.swarm.clearance import room_on_stage
-from emovid.swarm.contours import followed_points, start_angles
+from emovid.swarm.laws import followed_points, start_angles
 from emovid.swarm.start import _most, start_poses
 from emovid.swarm.unicycle import look_ahead
 from tests.helpers.stages import HEXAGON, THIN, TRIANGLE, keys_of
@@ -92,10 +92,10 @@ def test_a_look_ahead_that_brings_robots_on_a_ripple_together_is_named(make_scen
     start_poses(make_scene("happiness", keys | {"robot.l": 0.0001}), rng())
 
 
-def test_darts_are_not_thrown_for_ever(make_scene, monkeypatch) -> None:
+def test_random_trials_end(make_scene, monkeypatch) -> None:
     scene = make_scene("anger", {"robots": 60})
     assert len(start_poses(scene, rng())) == 60
-    monkeypatch.setattr(start, "_THROWS", 1)
+    monkeypatch.setattr(start, "_ROUNDS", 1)
     with pytest.raises(SourceError, match=r"60 robots do not fit into .* at random .*: room was found for [2-5][0-9]$"):
         start_poses(scene, rng())
 

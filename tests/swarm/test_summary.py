@@ -3,7 +3,7 @@ import pytest
 from scipy.spatial.distance import pdist
 
 from emovid.swarm.simulate import simulate
-from emovid.swarm.summary import closest_approach, summarise
+from emovid.swarm.summary import closest_approach, summarize
 from emovid.swarm.trajectory import Trajectory
 
 
@@ -34,16 +34,16 @@ def test_the_closest_approach_is_that_of_a_dense_sampling(make_scene, emotion) -
 
 def test_one_robot_is_near_nobody(make_scene) -> None:
     run = simulate(make_scene("fear", {"robots": 1, "duration": 1}))
-    assert summarise(run).body_distance is None
+    assert summarize(run).body_distance is None
 
 
 def test_overlap_is_a_negative_distance(make_scene) -> None:
     run = run_of(make_scene, [[-0.1, 0.0, 0.0], [0.1, 0.0, np.pi]], [[0.1, 0.0], [0.09, 0.0]])
     radius = run.scene.robot.body.radius
-    assert summarise(run).body_distance == pytest.approx(0.01 - 2 * radius, abs=2e-6)
+    assert summarize(run).body_distance == pytest.approx(0.01 - 2 * radius, abs=2e-6)
 
 
 def test_speeds_by_hand(make_scene) -> None:
-    found = summarise(run_of(make_scene, [[-0.1, 0.0, 0.0], [0.1, 0.1, 0.0]], [[0.1, 0.0], [-0.3, 0.0]]))
+    found = summarize(run_of(make_scene, [[-0.1, 0.0, 0.0], [0.1, 0.1, 0.0]], [[0.1, 0.0], [-0.3, 0.0]]))
     assert (found.mean_speed, found.peak_speed) == pytest.approx((0.2, 0.3))
     assert (found.stage_cut_share, found.separation_cut_share) == (0, 0)

@@ -6,10 +6,9 @@ from hypothesis import strategies as st
 from emovid.scene.behaviour import Uniform
 from emovid.scene.stage import Rectangle
 from emovid.swarm import voronoi
-from emovid.swarm.cell_clipping import cut_cells
-from emovid.swarm.coverage import corners_of, mass_and_centroid
 from emovid.swarm.densities import density_of
-from emovid.swarm.voronoi import voronoi_cells
+from emovid.swarm.laws import corners_of, mass_and_centroid
+from emovid.swarm.voronoi import clipped_cells, voronoi_cells
 from tests.helpers.polygons import area, mirrored_voronoi, shoelace
 from tests.helpers.stages import HEXAGON, THIN, TRIANGLE, convex_corners
 
@@ -35,7 +34,7 @@ def assert_cells_are_those_of_cutting(points: np.ndarray, corners: np.ndarray, a
     """Hold areas, and centroids to `about`, against cutting; lengths are in units of the stage's extent."""
     distinct, which = np.unique(points, axis=0, return_inverse=True)
     robots = distinct[:, 0] + 1j * distinct[:, 1]
-    cut = [np.stack([ring.real, ring.imag], 1) for ring in cut_cells(robots, corners[:, 0] + 1j * corners[:, 1])]
+    cut = [np.stack([ring.real, ring.imag], 1) for ring in clipped_cells(robots, corners[:, 0] + 1j * corners[:, 1])]
     extent = np.ptp(corners, axis=0).max()
     area, centroid = mass_and_centroid(points, corners, CONSTANT)
     polygons = voronoi_cells(points, corners) - points[:, None]
@@ -169,9 +168,9 @@ def cuttings(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
     def counted(robots: np.ndarray, outline: np.ndarray) -> list[np.ndarray]:
         calls.append(len(robots))
-        return cut_cells(robots, outline)
+        return clipped_cells(robots, outline)
 
-    monkeypatch.setattr(voronoi, "cut_cells", counted)
+    monkeypatch.setattr(voronoi, "clipped_cells", counted)
     return calls
 
 

@@ -9,7 +9,7 @@ from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, load_scene
 from emovid.swarm.clearance import room_on_stage
 from emovid.swarm.simulate import simulate
-from emovid.swarm.summary import summarise
+from emovid.swarm.summary import summarize
 from emovid.video.painter import Painter
 from emovid.video.pixel_formats import Yuv420
 from tests.helpers.reference import whole_frame
@@ -65,7 +65,7 @@ def test_any_scene_is_drawn_or_refused_in_one_line(emotion, pairs, view) -> None
     points = run.poses[..., :2].reshape(-1, 2)
     assert room_on_stage(points, scene.stage).min() >= scene.robot.body.radius - 1e-9
     if getattr(scene.behaviour, "separation", None) is not None and scene.robots > 1:
-        assert summarise(run).body_distance >= scene.behaviour.separation - 1e-8
+        assert summarize(run).body_distance >= scene.behaviour.separation - 1e-8
     painter, planes = Painter(run), Yuv420(scene.video.width, scene.video.height)
     for t in (0.0, scene.duration / 2, scene.duration):
         frame = painter.frame(t)

@@ -5,10 +5,9 @@ import pytest
 from matplotlib.colors import to_rgb
 
 from emovid.scene.emotions import EMOTIONS
-from emovid.scene.load import load_scene
-from emovid.scene.robot_files import load_robot, shipped_robots
+from emovid.scene.load import load_robot, load_scene, shipped_robots
 from emovid.scene.video import THEMES, Colours, Overlays
-from emovid.swarm.coverage import coverage_velocity
+from emovid.swarm.laws import coverage_velocity
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
 from emovid.video.overlays import targets_of

@@ -4,8 +4,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from emovid.scene.stage import Rectangle
-from emovid.scene.video import CameraKeys, Video
-from emovid.scene.view import Aim
+from emovid.scene.video import Aim, CameraKeys, Video
 from emovid.video.cameras import PinholeCamera
 from tests.helpers.pinholes import FLOOR, PINHOLES, matrix
 

@@ -4,7 +4,7 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emovid.scene.view import Aim
+from emovid.scene.video import Aim
 from emovid.video.cameras import PinholeCamera
 from emovid.video.trails import Ribbon, ribbon
 from tests.helpers.pinholes import FLOOR, PINHOLES

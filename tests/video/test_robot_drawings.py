@@ -7,7 +7,7 @@ import pytest
 import shapely
 from shapely.affinity import rotate, translate
 
-from emovid.scene.robot_files import load_robot, shipped_robots
+from emovid.scene.load import load_robot, shipped_robots
 from emovid.scene.robots import Body
 from emovid.swarm.simulate import simulate
 from emovid.video.painter import Painter

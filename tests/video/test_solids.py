@@ -4,9 +4,9 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emovid.scene.robot_files import load_robot, shipped_robots
+from emovid.scene.load import load_robot, shipped_robots
 from emovid.scene.robots import Body
-from emovid.scene.view import Aim
+from emovid.scene.video import Aim
 from emovid.video.cameras import PinholeCamera
 from emovid.video.robots import RobotColours, robot_solids
 from tests.helpers.pinholes import PINHOLES
