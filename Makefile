@@ -1,4 +1,4 @@
-# Two commands do all the set-up: `make all-videos` and `make test`. The rest is for those who work on emovid.
+# `make all-videos` and `make test` install what they need. The other targets are for those who develop emovid.
 PYTHON ?= python3
 JOBS ?= $(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
 BIN := .venv/bin
@@ -48,6 +48,7 @@ bench-survey: .venv/dev-installed
 	$(BIN)/python benchmarks survey
 
 readme: .venv/dev-installed
+	$(BIN)/python docs/make_architecture.py docs/pictures/architecture.svg
 	$(BIN)/python docs/make_picture.py docs/six-emotions.webp
 	$(BIN)/emovid figures anger-frames confusion-matrix --format png -o docs/pictures
 	$(BIN)/python docs/make_survey_picture.py docs/pictures/survey.png

@@ -1,4 +1,4 @@
-"""What the site has besides its pages: references made from the code, formulas, names of the repository's files."""
+"""Additions to the pages of the site: references generated from the code, formulas, names of files outside it."""
 
 import os
 import re
@@ -21,7 +21,7 @@ GALLERY = ROOT / "figures" / "gallery.html"
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Add the pages that are made from the code and by it."""
+    """Add the pages that are generated from the code."""
     made = {"reference/commands.md": commands_page(), "reference/scene.md": scene_page()}
     made["gallery.html"] = GALLERY.read_text() if GALLERY.is_file() else "<!doctype html><p>Made by make docs.</p>"
     for path, text in made.items():
@@ -30,7 +30,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
-    """Set formulas as MathML, and name the files that a link outside the site leads to."""
+    """Write formulas as MathML, and replace links to files outside the site by their names."""
     folder = Path(page.file.src_uri).parent
     parts = re.split(r"(^```.*?^```$|`[^`\n]+`)", markdown, flags=re.MULTILINE | re.DOTALL)
     return "".join(part if part.startswith("`") else _inside(part, folder) for part in parts)
@@ -51,20 +51,20 @@ def _named(link: "re.Match[str]", folder: Path) -> str:
 
 
 def commands_page() -> str:
-    """Return the page of all commands, from the command line itself."""
+    """Return the page of all commands, generated from the command line."""
     root = all_commands()
     return get_docs_for_click(obj=root, ctx=Context(root), name="emovid", title="Commands")
 
 
 def scene_page() -> str:
-    """Return the page of all keys that a scene can have, from the models that check them."""
+    """Return the page of all keys of a scene, generated from the models that validate them."""
     schema = scene_schema()
     lines = [
         "# Keys of a scene",
         "",
-        "Every key that a scene can have, with its unit in brackets, what it may be, and what it is when left out. The "
-        "scenes that ship show them at work: `emovid scene show anger`. An editor completes and explains them from "
-        "`emovid scene schema`.",
+        "Every key of a scene, with its unit in brackets, its valid values and its default. The scenes that come with "
+        "emovid use them: `emovid scene show anger`. With the output of `emovid scene schema`, an editor completes and "
+        "explains them.",
         "",
         "## Top level",
         "",
@@ -86,7 +86,7 @@ def scene_page() -> str:
 
 
 def _groups(keys: dict[str, Any], schema: dict[str, Any], path: str) -> Iterator[tuple[str, list[dict[str, Any]]]]:
-    """Yield each key that has keys of its own, with the forms it can have."""
+    """Yield each key that contains keys, with its alternative forms."""
     for name, key in keys.get("properties", {}).items():
         options = list(_options(key, schema))
         if options:
@@ -97,7 +97,7 @@ def _groups(keys: dict[str, Any], schema: dict[str, Any], path: str) -> Iterator
 
 
 def _options(key: dict[str, Any], schema: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield the groups of keys that a key can be, each once."""
+    """Yield the alternative groups of keys of a key, each once."""
     if "$ref" in key:
         key = schema["$defs"][key["$ref"].split("/")[-1]]
     if "properties" in key:
@@ -108,17 +108,17 @@ def _options(key: dict[str, Any], schema: dict[str, Any]) -> Iterator[dict[str, 
 
 
 def _mark(option: dict[str, Any]) -> str:
-    """Return the keys whose one value tells a form from the others, as in `kind: gaussian`."""
+    """Return the keys whose constant value identifies a form, as in `kind: gaussian`."""
     consts = [f"`{name}: {key['const']}`" for name, key in option["properties"].items() if "const" in key]
     return " ".join(sorted(consts, key=lambda mark: "law" not in mark))
 
 
 def _table(group: dict[str, Any], schema: dict[str, Any]) -> list[str]:
-    lines = ["| key | meaning | values | left out |", "|---|---|---|---|"]
+    lines = ["| key | meaning | values | default |", "|---|---|---|---|"]
     for name, key in group["properties"].items():
         needed = "const" in key or name in group.get("required", ())
-        left_out = "needed" if needed else _value(key.get("default"))
-        cells = (f"`{name}`", key.get("description", ""), _values(key, schema), left_out)
+        default = "required" if needed else _value(key.get("default"))
+        cells = (f"`{name}`", key.get("description", ""), _values(key, schema), default)
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     return lines
 
@@ -132,7 +132,7 @@ def _value(default: object) -> str:
 
 
 def _values(key: dict[str, Any], schema: dict[str, Any]) -> str:
-    """Return in words what a key may be."""
+    """Return the valid values of a key in words."""
     if "$ref" in key:
         key = schema["$defs"][key["$ref"].split("/")[-1]]
     if "const" in key:

@@ -20,6 +20,7 @@ from emovid.measure.claims import CLAIMS
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
+CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text()
 PATH = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
 
 
@@ -51,10 +52,24 @@ def test_the_readme_s_python_runs(tmp_path) -> None:
     assert (tmp_path / "anger.mp4").stat().st_size > 100_000
 
 
-def test_the_rooms_of_the_readme_are_those_there_are() -> None:
-    named = set(re.findall(r"^\| `([a-z/]+)/` ", README, re.MULTILINE))
-    rooms = {f"emovid/{path.name}" for path in (ROOT / "emovid").iterdir() if (path / "__init__.py").is_file()}
-    assert named == rooms | {"configs", "studies", "tests", "benchmarks"}
+def test_contributing_lists_the_folders_that_exist() -> None:
+    named = set(re.findall(r"^\| `([a-z/]+)/` ", CONTRIBUTING, re.MULTILINE))
+    folders = {f"emovid/{path.name}" for path in (ROOT / "emovid").iterdir() if (path / "__init__.py").is_file()}
+    assert named == folders | {"configs", "studies", "tests", "benchmarks"}
+
+
+def test_contributing_names_files_and_make_commands_that_exist() -> None:
+    paths = re.findall(r"`((?:emovid|tests|docs|benchmarks|configs)/[\w/.-]+)`", CONTRIBUTING)
+    assert len(paths) > 15
+    assert [path for path in paths if not (ROOT / path).exists()] == []
+    for command in re.findall(r"(?:`|^    )(make [a-z-]+(?: [a-z]+)*)", CONTRIBUTING, re.MULTILINE):
+        run(*command.split(), "--dry-run")
+
+
+def test_the_picture_of_the_architecture_shows_the_imports_of_the_code(tmp_path) -> None:
+    run(sys.executable, str(ROOT / "docs" / "make_architecture.py"), str(tmp_path / "now.svg"))
+    shown = ROOT / "docs" / "pictures" / "architecture.svg"
+    assert (tmp_path / "now.svg").read_text() == shown.read_text(), "run make readme"
 
 
 def test_the_readme_counts_the_claims() -> None:
