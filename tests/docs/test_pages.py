@@ -6,6 +6,8 @@ import re
 import shlex
 import subprocess
 import sys
+from contextlib import chdir, redirect_stderr, redirect_stdout
+from io import BytesIO, TextIOWrapper
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +15,7 @@ import pytest
 import yaml
 from typer.main import get_command
 
-from emovid.cli.main import app
+from emovid.cli.main import app, main
 from emovid.responses.dialects.registry import DIALECTS
 from tests.helpers import exports
 from tests.helpers.crowd import Crowd
@@ -90,15 +92,23 @@ def code_of_a_participant(folder: Path) -> str:
 
 
 def run(line: str, folder: Path) -> "subprocess.CompletedProcess[str]":
+    """Run a command in this process, or in its own where only a signal ends it."""
     command = shlex.split(line)
     assert command[0] == "emovid", line
     if command[1:3] == ["study", "serve"]:
         return started_and_stopped([*command, "--port", "0"], folder)
-    return (started_and_stopped if "--watch" in command else finished)(command, folder)
+    return started_and_stopped(command, folder) if "--watch" in command else called(command, folder)
 
 
-def finished(command: list[str], folder: Path) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run(command, cwd=folder, env=ENV, capture_output=True, text=True, check=False)
+def called(command: list[str], folder: Path) -> "subprocess.CompletedProcess[str]":
+    """Return the exit code and the output of a command that is called as a function."""
+    out = TextIOWrapper(BytesIO(), encoding="utf-8", write_through=True)
+    err = TextIOWrapper(BytesIO(), encoding="utf-8", write_through=True)
+    with chdir(folder), redirect_stdout(out), redirect_stderr(err), pytest.MonkeyPatch.context() as patch:
+        patch.setenv("COLUMNS", "200")
+        code = main(command[1:])
+    said, complained = (stream.buffer.getvalue().decode() for stream in (out, err))  # type: ignore[attr-defined]
+    return subprocess.CompletedProcess(command, code, said, complained)
 
 
 def started_and_stopped(command: list[str], folder: Path) -> "subprocess.CompletedProcess[str]":
