@@ -1,9 +1,25 @@
-"""The commands of a page, with what the page says they print."""
+"""Commands of a documentation page with the output that the page shows, and following them."""
 
+import os
 import re
+import shlex
+import subprocess
+import sys
 from collections.abc import Iterator
+from contextlib import chdir, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
+from io import BytesIO, TextIOWrapper
 from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from emovid.cli.main import main
+from tests.helpers import exports
+from tests.helpers.crowd import Crowd
+from tests.helpers.served import serving
+from tests.helpers.small_survey import small_kit
 
 ROOT = Path(__file__).parent.parent.parent
 DOCS = ROOT / "docs"
@@ -64,3 +80,138 @@ def agrees(said: str, printed: str) -> bool:
     """Return whether a command said what a page prints, where `...` stands for anything, as may columns of spaces."""
     parts = [re.escape(" ".join(part.split())) for part in printed.split("...")]
     return re.fullmatch(r".*".join(parts), " ".join(said.split()), re.DOTALL) is not None
+
+
+ENV = {
+    **os.environ,
+    "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
+    "COLUMNS": "200",
+}
+REFERENCE = ROOT / "studies" / "santos-egerstedt" / "responses.csv"
+SMALL = {"video.size: 1280x720": "size: 320x180", "size: 1280x720": "size: 320x180", "fps: 30": "fps: 5"}
+EXAMPLES = {
+    "qualtrics": exports.qualtrics,
+    "google-forms": exports.google_sheets,
+    "microsoft-forms": exports.microsoft,
+    "surveymonkey": exports.surveymonkey,
+    "limesurvey": exports.limesurvey,
+    "jspsych": exports.jspsych,
+    "psychopy": exports.psychopy,
+    "labjs": exports.labjs,
+    "otree": exports.otree_wide,
+    "psiturk": exports.psiturk,
+    "pymushra": exports.pymushra,
+    "formr": exports.formr,
+    "revisit": exports.revisit,
+    "any-table": exports.generic_long,
+    "index": lambda: exports.Export({"reference.csv": REFERENCE.read_bytes()}, "long table"),
+}
+
+
+def small(source: Path) -> str:
+    """Return a scene's or a study's file with a video that is made at once."""
+    text = source.read_text()
+    for large, little in SMALL.items():
+        text = text.replace(large, little)
+    return text
+
+
+def given(page: Path, folder: Path) -> dict[str, str]:
+    """Put into the folder what a reader of the page has, and return what stands in a page for something of theirs."""
+    (folder / "responses.csv").write_bytes(REFERENCE.read_bytes())
+    if page.parent.name == "analyse":
+        export = EXAMPLES[page.stem]()
+        (folder / "key.csv").write_text(exports.KEY)
+        (folder / "exports").mkdir()
+        for name, data in export.files.items():
+            (folder / "exports" / name).write_bytes(data)
+        if len(export.files) == 1:
+            (folder / "export.csv").write_bytes(*export.files.values())
+        return {}
+    (folder / "table.csv").write_text("a,b\n1,2\n")
+    scene = "robotarium-today/anger" if page.stem == "export-robotarium" else "anger"
+    (folder / "my_scene.yaml").write_text(small(ROOT / "configs" / f"{scene}.yaml"))
+    (folder / "sweep.yaml").write_text(
+        "only: measure\nscenes: [sadness]\nset: {duration: 1}\ngrid: {robot.K: [2, 3]}\n"
+    )
+    if page.name != "README.md" and "videos/" in page.read_text():
+        run("emovid render --all --size 320x180 --fps 5 --set duration=2 --quiet", folder)
+    words = {"$SLURM_ARRAY_TASK_ID": "1"}
+    return words | {"CODE": code_of_a_participant(folder)} if page.stem == "survey" else words
+
+
+def code_of_a_participant(folder: Path) -> str:
+    """Build a kit, let three take part, and return the code of one."""
+    with serving(small_kit(folder)) as server:
+        crowd = Crowd(server.address, 3, duration=1.0)
+        crowd.start()
+        crowd.wait()
+    assert crowd.failures == []
+    return crowd.people[0].code
+
+
+def run(line: str, folder: Path) -> "subprocess.CompletedProcess[str]":
+    """Run a command in this process, or in its own where only a signal ends it."""
+    command = shlex.split(line)
+    assert command[0] == "emovid", line
+    if command[1:3] == ["study", "serve"]:
+        return started_and_stopped([*command, "--port", "0"], folder)
+    return started_and_stopped(command, folder) if "--watch" in command else called(command, folder)
+
+
+def called(command: list[str], folder: Path) -> "subprocess.CompletedProcess[str]":
+    """Return the exit code and the output of a command that is called as a function."""
+    out = TextIOWrapper(BytesIO(), encoding="utf-8", write_through=True)
+    err = TextIOWrapper(BytesIO(), encoding="utf-8", write_through=True)
+    with chdir(folder), redirect_stdout(out), redirect_stderr(err), pytest.MonkeyPatch.context() as patch:
+        patch.setenv("COLUMNS", "200")
+        code = main(command[1:])
+    said, complained = (stream.buffer.getvalue().decode() for stream in (out, err))  # type: ignore[attr-defined]
+    return subprocess.CompletedProcess(command, code, said, complained)
+
+
+def started_and_stopped(command: list[str], folder: Path) -> "subprocess.CompletedProcess[str]":
+    """Wait for the first line of a command that only a signal ends, and end it: not by SIGINT, which may be ignored."""
+    with subprocess.Popen(
+        command, cwd=folder, env=ENV, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    ) as it:
+        assert it.stdout
+        said = it.stdout.readline()
+        it.terminate()
+        said += it.stdout.read()
+        code = it.wait()
+    return subprocess.CompletedProcess(command, 0 if code in (0, 143) else code, said, "")
+
+
+def write(keys: Keys, folder: Path) -> None:
+    path = folder / keys.file
+    have = yaml.safe_load(path.read_text()) if path.is_file() else {}
+    path.write_text(yaml.safe_dump(merged(have, yaml.safe_load(keys.text))))
+
+
+def merged(old: dict[str, Any], new: dict[str, Any]) -> dict[str, Any]:
+    """Return keys over keys. A group that says what kind it is replaces another kind, as an editor's hand would."""
+    result = dict(old)
+    for key, value in new.items():
+        deeper = isinstance(value, dict) and isinstance(old.get(key), dict) and "kind" not in value
+        result[key] = merged(old[key], value) if deeper else value
+    return result
+
+
+def follow(page: Path, folder: Path) -> None:
+    """Do what a page says, in a folder with what its reader has."""
+    words = given(page, folder)
+    for step in steps(page):
+        if isinstance(step, Keys):
+            write(step, folder)
+            continue
+        done = run(re.sub("|".join(map(re.escape, words)) or "$^", lambda word: words[word[0]], step.line), folder)
+        said = done.stdout + done.stderr
+        if step.line.startswith("emovid study new "):  # of which the reader makes their own
+            study = folder / step.line.split()[3] / "study.yaml"
+            study.write_text(small(study).replace("duration: 15", "duration: 3"))
+        if step.printed is None:
+            assert done.returncode == 0, f"{step.line}\n{said}"
+        else:
+            assert agrees(said, step.printed), f"{step.line}\n{said}"
+            assert "Traceback" not in said

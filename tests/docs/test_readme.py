@@ -1,0 +1,28 @@
+"""The README and the tutorial: their commands run, print what they show and leave the files they name."""
+
+import json
+
+from tests.helpers.pages import DOCS, ROOT, follow, in_tables, run
+
+
+def test_the_commands_of_the_readme_do_what_it_says(tmp_path) -> None:
+    page = ROOT / "README.md"
+    follow(page, tmp_path)
+    made = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.*")}
+    assert {"videos/anger.mp4", "videos/manifest.json", "fear.webm", "out/surprise.gif"} <= made
+    assert {"curious.yaml", "previews/curious.gif", "kit/public/manifest.json", "kit/private/key.csv"} <= made
+    assert {"figures/densities.pdf", "figures/curious-frames.png", "figures/anger-frames.pdf"} <= made
+    assert {"results/report.html", "results/results.json", "results/confusion_matrix.tex"} <= made
+    assert 1e6 < (tmp_path / "videos" / "anger.mp4").stat().st_size < 3e6  # as the questions say
+    for line in in_tables(page):
+        done = run(line, tmp_path)
+        assert done.returncode == (1 if " diff " in line else 0), f"{line}\n{done.stdout}{done.stderr}"
+
+
+def test_the_tutorial_s_emotion_moves_as_it_says(tmp_path) -> None:
+    follow(DOCS / "tutorial.md", tmp_path)
+    scenes = json.loads(run("emovid measure curious.yaml fear disgust --json", tmp_path).stdout)["scenes"]
+    curious, fear, disgust = (scenes[name] for name in ("curious.yaml", "fear", "disgust"))
+    assert curious["turning_per_metre"] < fear["turning_per_metre"] / 5
+    assert curious["cusps_per_second"] < fear["cusps_per_second"] / 5
+    assert curious["speed_mean"] < disgust["speed_mean"]
