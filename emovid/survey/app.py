@@ -1,17 +1,17 @@
-"""The survey as a Flask application: what every request must bring, every reply carries, and every failure says."""
+"""The survey as a Flask application: checks of every request, headers of every response, pages for every error."""
 
 from flask import Flask, Response, current_app, g, render_template, request
 from werkzeug.exceptions import Forbidden, HTTPException
 
 from emovid.kit.read import Kit
 from emovid.survey import codes, session
-from emovid.survey.access_routes import doors
+from emovid.survey.access import access
 from emovid.survey.pages import pages
 from emovid.survey.player import player
 from emovid.survey.session import Survey
 from emovid.survey.store import Store
 
-MOST_BYTES = 64 * 1024  # of a request; the longest form, a hundred lines of text, needs less
+MAX_BYTES = 64 * 1024  # of a request
 RELEASE = 2 * 60 * 60.0  # s
 _HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
@@ -28,30 +28,30 @@ def create_app(kit: Kit, store: Store, *, https: bool = False, release: float = 
     """Return the application.
 
     Args:
-        kit: as `open_public` returns it.
-        store: of the answers.
-        https: whether participants come by TLS.
-        release: after so many seconds without a sign of who has it, a row of the orders is free again.
+        kit: kit, as `open_public` returns it.
+        store: store of the answers.
+        https: whether participants connect over TLS.
+        release: seconds without activity after which an unfinished participant's row of the orders is free again.
     """
     app = Flask(__name__)
-    app.config.update(MAX_CONTENT_LENGTH=MOST_BYTES, MAX_FORM_MEMORY_SIZE=MOST_BYTES, MAX_FORM_PARTS=200)
+    app.config.update(MAX_CONTENT_LENGTH=MAX_BYTES, MAX_FORM_MEMORY_SIZE=MAX_BYTES, MAX_FORM_PARTS=200)
     app.jinja_env.trim_blocks = app.jinja_env.lstrip_blocks = True
-    app.url_map.merge_slashes = False  # no address but those of the pages leads anywhere
+    app.url_map.merge_slashes = False  # only the exact addresses of the pages exist
     app.extensions["survey"] = Survey(kit, store, https, release)
-    for part in (pages, doors, player):
-        app.register_blueprint(part)
+    for blueprint in (pages, access, player):
+        app.register_blueprint(blueprint)
     app.before_request(_check)
-    app.after_request(session.keep)
+    app.after_request(session.set_cookie)
     app.after_request(_secure)
-    app.register_error_handler(Exception, _failed)
-    app.context_processor(_said_everywhere)
+    app.register_error_handler(Exception, _error_page)
+    app.context_processor(_shared_context)
     return app
 
 
 def _check() -> None:
-    """Refuse what changes something and does not come from one of our pages in this browser."""
-    session.meet()
-    if request.method not in ("GET", "HEAD", "OPTIONS") and not session.brings_token():
+    """Refuse requests that change something and do not come from one of our pages in this browser."""
+    session.load_code()
+    if request.method not in ("GET", "HEAD", "OPTIONS") and not session.has_form_token():
         raise Forbidden
 
 
@@ -61,17 +61,17 @@ def _secure(response: Response) -> Response:
     return response
 
 
-def _failed(error: Exception) -> tuple[str, int]:
-    """Return a page that says what happened in the study's words, and nothing of the inside."""
-    code = (error.code if isinstance(error, HTTPException) else None) or 500
-    if code >= 500:
+def _error_page(error: Exception) -> tuple[str, int]:
+    """Return a page that explains an error in the study's words, without technical details."""
+    status = (error.code if isinstance(error, HTTPException) else None) or 500
+    if status >= 500:
         current_app.logger.error("a request failed", exc_info=error)
     texts = session.survey().manifest.texts
-    said = {403: texts.out_of_date, 404: texts.not_found}.get(code, texts.failed)
-    return render_template("message.html", text=said, go_on=True), code
+    text = {403: texts.out_of_date, 404: texts.not_found}.get(status, texts.failed)
+    return render_template("message.html", text=text, has_next=True), status
 
 
-def _said_everywhere() -> dict[str, object]:
+def _shared_context() -> dict[str, object]:
     manifest = session.survey().manifest
     return {
         "manifest": manifest,

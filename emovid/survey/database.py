@@ -1,4 +1,4 @@
-"""An SQLite file in which a transaction that has ended is on the disk, whatever becomes of the process or the power."""
+"""The SQLite file of a survey: once a transaction has ended, its changes survive a crash of process or machine."""
 
 import os
 import secrets
@@ -12,21 +12,21 @@ from emovid.atomic_io import make_folder
 from emovid.errors import EmovidError, InputError, reason
 
 _OWNER_ONLY = 0o600
-_BUSY = 30.0  # seconds to wait for another process, as one that withdraws a participant
+_BUSY = 30.0  # seconds to wait for another process, such as one that withdraws a participant
 # Write-ahead log: readers of other processes do not wait for writers. FULL: the log is on the disk at each commit.
 _PRAGMAS = ("journal_mode = WAL", "synchronous = FULL", "foreign_keys = ON", "secure_delete = ON")
 
 
 class Database:
-    """The database of one kit's survey, open: one connection, which threads use in turn.
+    """The open database of one kit's survey: one connection, which threads use in turn.
 
     Args:
-        path: of the file, made if missing, readable by its owner alone.
-        commitment: to the key of the kit, which tells kits apart.
+        path: file of the database, created if missing, readable by its owner only.
+        commitment: commitment to the key of the kit, which identifies the kit.
 
     Raises:
-        InputError: for a file that is no database of a survey, or that of another kit.
-        EmovidError: if it cannot be opened.
+        InputError: if the file is not the database of a survey, or belongs to another kit.
+        EmovidError: if the file cannot be opened.
     """
 
     def __init__(self, path: Path, commitment: str) -> None:
@@ -44,7 +44,7 @@ class Database:
             raise InputError(f"{path}: {error}; expected the database of a survey") from None
         if self._fact("commitment") != commitment:
             self.close()
-            raise InputError(f"{path}: holds the answers to another kit; expected this one's, or no such file")
+            raise InputError(f"{path}: holds the answers to another kit; expected those to this kit, or no such file")
         self.secret = bytes.fromhex(self._fact("secret"))
 
     def close(self) -> None:
@@ -53,18 +53,18 @@ class Database:
 
     @contextmanager
     def reading(self) -> Iterator[sqlite3.Connection]:
-        """Give the connection, for statements that see one and the same state."""
+        """Provide the connection for statements that see the same state."""
         with self._transaction("BEGIN") as connection:
             yield connection
 
     @contextmanager
     def writing(self) -> Iterator[sqlite3.Connection]:
-        """Give the connection, for statements that take effect together, on leaving, or not at all."""
+        """Provide the connection for statements that take effect together on exit, or not at all."""
         with self._transaction("BEGIN IMMEDIATE") as connection:
             yield connection
 
-    def fold(self) -> None:
-        """Move the log into the file, so that what was deleted is in neither."""
+    def checkpoint(self) -> None:
+        """Move the write-ahead log into the file, so that neither of them holds deleted content."""
         with self._lock:
             self._connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
 

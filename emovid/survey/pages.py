@@ -1,4 +1,4 @@
-"""The pages that participants read and answer, from the consent to the thanks."""
+"""The pages of the survey in sequence, from the consent to the thanks."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import replace
@@ -7,9 +7,9 @@ from flask import Blueprint, abort, g, redirect, render_template, request, url_f
 from werkzeug.wrappers import Response
 
 from emovid.survey import codes, session
-from emovid.survey.flow import Page, Step, after_video, before, current, is_open
-from emovid.survey.forms import MOST_MARKS, about_of, answer_of
+from emovid.survey.forms import MAX_CHARACTERS, about_of, answer_of
 from emovid.survey.records import Participant
+from emovid.survey.rules import Page, Step, after_video, before, current, is_open
 from emovid.survey.session import survey
 
 pages = Blueprint("pages", __name__)
@@ -18,23 +18,23 @@ Reply = Response | str | tuple[str, int]
 
 @pages.get("/")
 def start() -> Reply:
-    """Ask for consent, or go on from where the participant was."""
+    """Ask for consent, or continue where the participant left off."""
     person = session.participant()
     return render_template("consent.html") if person is None else _to_current(person)
 
 
 @pages.post("/consent")
 def consent() -> Reply:
-    """Enrol who agrees; a second time it is the same participant."""
-    if survey().store.has_withdrawn(codes.digest(g.code)):  # a page from before that
-        session.take(codes.fresh_code())
+    """Enroll a participant who agrees, once; tell others that nothing was recorded."""
+    if survey().store.has_withdrawn(codes.digest(g.code)):  # the page is older than the withdrawal
+        session.use_code(codes.fresh_code())
         abort(403)
     person = session.participant()
     if request.form.get("consent") == "agree":
-        return _to_current(person or _enrol())
+        return _to_current(person or _enroll())
     if person is None:
         return render_template("message.html", text=survey().manifest.consent.declined)
-    return redirect(url_for("doors.ask_to_withdraw"), 303)  # agreed before, as in another tab
+    return redirect(url_for("access.ask_to_withdraw"), 303)  # consented before, in another tab
 
 
 @pages.get("/about")
@@ -48,10 +48,10 @@ def about() -> Reply:
 def tell() -> Reply:
     """Record the answers about the participant."""
     person = _allowed(Step(Page.ABOUT))
-    said, missing = about_of(survey().manifest.demographics, request.form)
+    about, missing = about_of(survey().manifest.demographics, request.form)
     if missing:
-        return _about_page(said, missing), 400
-    survey().store.tell(person.id, said)
+        return _about_page(about, missing), 400
+    survey().store.tell(person.id, about)
     return _to(Step(Page.INSTRUCTIONS))
 
 
@@ -64,7 +64,7 @@ def instructions() -> Reply:
 
 @pages.post("/instructions")
 def instruct() -> Reply:
-    """Record that they were read."""
+    """Record that the participant has read the instructions."""
     person = _allowed(Step(Page.INSTRUCTIONS))
     survey().store.instruct(person.id)
     return _to(Step(Page.VIDEO, 1))
@@ -81,7 +81,7 @@ def video(place: int) -> Reply:
 
 @pages.post("/video/<int:place>")
 def answer(place: int) -> Reply:
-    """Record an answer; the reply is sent when it is on the disk."""
+    """Record an answer; it is on the disk before the reply is sent."""
     person = _allowed(Step(Page.VIDEO, place))
     response, ratings, missing = answer_of(person.choices, survey().manifest.ratings, request.form)
     if place not in person.opened:
@@ -98,13 +98,13 @@ def answer(place: int) -> Reply:
 def review() -> Reply:
     """Show all answers, to be changed or submitted."""
     person = _allowed(Step(Page.REVIEW))
-    given = [(place, _words(said.response)) for place, said in sorted(person.answers.items())]
-    return render_template("review.html", given=given, back=_back(Step(Page.REVIEW), person))
+    answers = [(place, _text_of(answer.response)) for place, answer in sorted(person.answers.items())]
+    return render_template("review.html", answers=answers, back=_back(Step(Page.REVIEW), person))
 
 
 @pages.post("/submit")
 def submit() -> Reply:
-    """End the survey of a participant who has answered all; a second time nothing changes."""
+    """Submit the answers of a participant who has answered all questions; a repetition changes nothing."""
     person = session.participant()
     if person is None:
         abort(403)
@@ -119,20 +119,20 @@ def thanks() -> Reply:
     return render_template("thanks.html")
 
 
-def _enrol() -> Participant:
+def _enroll() -> Participant:
     kit, store, digest = survey().kit, survey().store, codes.digest(g.code)
     labels = tuple(answer.label for answer in kit.manifest.choices.labels)
     choices = {row: kit.choices.get(row, labels) for row in kit.orders}
-    return store.enrol(digest, kit.orders, choices, kit.manifest.consent.version, survey().release)
+    return store.enroll(digest, kit.orders, choices, kit.manifest.consent.version, survey().release)
 
 
 def _allowed(step: Step) -> Participant:
-    """Return the participant, who may see this page; send who may not to where they can go on."""
+    """Return the participant if the page is open; otherwise redirect to the page where they can continue."""
     person = session.participant()
     if person is None and request.method == "POST":
         abort(403)
     if person is None:
-        abort(redirect(url_for("doors.resume"), 303))
+        abort(redirect(url_for("access.resume"), 303))
     if not is_open(step, session.progress(person)):
         abort(_to_current(person))
     return person
@@ -147,9 +147,9 @@ def _to(step: Step) -> Response:
 
 
 def _back(step: Step, person: Participant) -> str:
-    """Return the address of the page before, "" where there is none."""
-    former = before(step, session.progress(person))
-    return _address(former) if former else ""
+    """Return the address of the page before, or ""."""
+    previous = before(step, session.progress(person))
+    return _address(previous) if previous else ""
 
 
 def _address(step: Step) -> str:
@@ -158,8 +158,8 @@ def _address(step: Step) -> str:
     return url_for(f"pages.{step.page.name.lower()}")
 
 
-def _about_page(said: Mapping[str, str], missing: Collection[str] = ()) -> str:
-    return render_template("about.html", said=said, missing=missing, most=MOST_MARKS)
+def _about_page(about: Mapping[str, str], missing: Collection[str] = ()) -> str:
+    return render_template("about.html", answers=about, missing=missing, max_characters=MAX_CHARACTERS)
 
 
 def _video_page(
@@ -172,7 +172,7 @@ def _video_page(
         place=place,
         count=len(person.videos),
         video=next(item for item in manifest.videos if item.code == code),
-        choices=[(label, _words(label)) for label in person.choices],
+        choices=[(label, _text_of(label)) for label in person.choices],
         response=response,
         ratings=ratings,
         missing=missing,
@@ -181,6 +181,6 @@ def _video_page(
     )
 
 
-def _words(label: str) -> str:
-    """Return what participants read for a label."""
+def _text_of(label: str) -> str:
+    """Return the text that participants read for a label."""
     return next(answer.text for answer in survey().manifest.choices.labels if answer.label == label)

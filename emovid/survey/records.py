@@ -1,7 +1,12 @@
-"""What the database tells of participants."""
+"""Typed records of participants, and the queries that read them from the database."""
 
-from collections.abc import Mapping
+import json
+import sqlite3
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
+
+from emovid.survey.rules import Play
 
 Order = tuple[str, ...]
 
@@ -23,18 +28,18 @@ class Participant:
     """A participant.
 
     Attributes:
-        id: counts up from 1; never given again.
-        order_row: of the orders.
-        videos: the codes, by place.
-        choices: the labels, in the order of the page.
-        consent_version: that was agreed to.
-        enrolled: when [s since 1970].
-        seen: when something was last recorded.
-        about: the answers about the participant; None before they are given.
-        instructed: whether the instructions were read.
-        submitted: when; None before.
-        answers: by place, from 1.
-        opened: the places of the videos that may be answered.
+        id: number of the participant, counted from 1; never used twice.
+        order_row: row of the orders.
+        videos: codes of the videos, by place.
+        choices: labels, in the order of the page.
+        consent_version: version of the consent text.
+        enrolled: time of the consent [s since 1970].
+        seen: time of the last record [s since 1970].
+        about: answers to the questions about the participant; None before they are given.
+        instructed: whether the participant has read the instructions.
+        submitted: time of the submission [s since 1970]; None before.
+        answers: answers by place, counted from 1.
+        opened: places of the videos that may be answered.
     """
 
     id: int
@@ -53,7 +58,7 @@ class Participant:
 
 @dataclass(frozen=True)
 class Screen:
-    """What a video was shown on: class of device, and displayed size [CSS pixels]."""
+    """Device that shows a video: its class, and the displayed size of the video [CSS pixels]."""
 
     device: str
     width: int
@@ -65,12 +70,13 @@ class Viewing:
     """How a participant saw a video.
 
     Attributes:
-        shown: when its page was shown first [s since 1970].
-        started: when its first play began; None before.
-        plays: how often it was begun.
-        share: of its length that was watched, of the play that showed most.
-        screen: of the first play.
-        frames: shown in all plays, and dropped of them.
+        shown: time when the page was first shown [s since 1970].
+        started: time when the first playback began [s since 1970]; None before.
+        plays: number of playbacks.
+        share: largest share of the video's length watched in one playback.
+        screen: device of the first playback.
+        frames: frames shown in all playbacks.
+        dropped: frames dropped in all playbacks.
     """
 
     shown: float
@@ -78,4 +84,120 @@ class Viewing:
     plays: int
     share: float
     screen: Screen | None
-    frames: tuple[int, int]
+    frames: int
+    dropped: int
+
+
+class _PlayRow(NamedTuple):
+    started: float
+    share: float
+    device: str
+    width: int
+    height: int
+    frames: int
+    dropped: int
+
+
+class _AnswerRow(NamedTuple):
+    response: str
+    ratings: str
+    given: float
+
+
+_PARTICIPANTS = (
+    "SELECT id, order_row, videos, choices, consent_version, enrolled, seen, about, instructed, submitted"
+    " FROM participants"
+)
+
+
+def find_participant(sql: sqlite3.Connection, digest: str) -> Participant | None:
+    """Return the participant with a code of this digest."""
+    row = sql.execute(_PARTICIPANTS + " WHERE digest = ?", (digest,)).fetchone()
+    return None if row is None else _participant(sql, *row)
+
+
+def all_participants(sql: sqlite3.Connection) -> list[tuple[Participant, dict[int, Viewing]]]:
+    """Return all participants in the sequence of their enrollment, with their viewings by place."""
+    people = [_participant(sql, *row) for row in sql.execute(_PARTICIPANTS + " ORDER BY id").fetchall()]
+    return [(person, _viewings(sql, person.id)) for person in people]
+
+
+def plays_of(sql: sqlite3.Connection, participant: int, place: int) -> dict[str, Play]:
+    """Return the playbacks of one video by one participant, by name."""
+    query = "SELECT play, started, share FROM plays WHERE participant = ? AND place = ?"
+    return {name: Play(started, share) for name, started, share in sql.execute(query, (participant, place))}
+
+
+def opened_by(sql: sqlite3.Connection, participant: int) -> frozenset[int]:
+    """Return the places of the videos that a participant may answer."""
+    rows = sql.execute("SELECT place FROM views WHERE participant = ? AND opened NOTNULL", (participant,))
+    return frozenset(place for (place,) in rows)
+
+
+def _participant(
+    sql: sqlite3.Connection,
+    id_: int,
+    order_row: str,
+    videos: str,
+    choices: str,
+    consent_version: str,
+    enrolled: float,
+    seen: float,
+    about: str | None,
+    instructed: float | None,
+    submitted: float | None,
+) -> Participant:
+    return Participant(
+        id=id_,
+        order_row=order_row,
+        videos=tuple(json.loads(videos)),
+        choices=tuple(json.loads(choices)),
+        consent_version=consent_version,
+        enrolled=enrolled,
+        seen=seen,
+        about=None if about is None else json.loads(about),
+        instructed=instructed is not None,
+        submitted=submitted,
+        answers=_answers(sql, id_),
+        opened=opened_by(sql, id_),
+    )
+
+
+def _answers(sql: sqlite3.Connection, participant: int) -> dict[int, Answer]:
+    query = "SELECT place, response, ratings, given FROM answers WHERE participant = ? ORDER BY id"
+    rows: dict[int, list[_AnswerRow]] = {}
+    for place, *row in sql.execute(query, (participant,)):
+        rows.setdefault(place, []).append(_AnswerRow(*row))
+    return {place: _answer(changes) for place, changes in rows.items()}
+
+
+def _answer(changes: Sequence[_AnswerRow]) -> Answer:
+    first, last = changes[0], changes[-1]
+    return Answer(
+        last.response, json.loads(last.ratings), last.given, first.response, first.given, changes=len(changes) - 1
+    )
+
+
+def _viewings(sql: sqlite3.Connection, participant: int) -> dict[int, Viewing]:
+    query = (
+        "SELECT place, started, share, device, width, height, frames, dropped FROM plays WHERE participant = ?"
+        " ORDER BY started"
+    )
+    plays: dict[int, list[_PlayRow]] = {}
+    for place, *row in sql.execute(query, (participant,)):
+        plays.setdefault(place, []).append(_PlayRow(*row))
+    shown = sql.execute("SELECT place, shown FROM views WHERE participant = ?", (participant,))
+    return {place: _viewing(first, plays.get(place, [])) for place, first in shown.fetchall()}
+
+
+def _viewing(shown: float, plays: Sequence[_PlayRow]) -> Viewing:
+    first = plays[0] if plays else None
+    return Viewing(
+        shown=shown,
+        started=first.started if first else None,
+        plays=len(plays),
+        share=max((play.share for play in plays), default=0.0),
+        screen=Screen(first.device, first.width, first.height) if first else None,
+        frames=sum(play.frames for play in plays),
+        dropped=sum(play.dropped for play in plays),
+    )

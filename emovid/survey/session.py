@@ -1,4 +1,4 @@
-"""Who is asking: the code in the cookie, the participant it stands for, and the form that only our pages can send."""
+"""The session of a browser: the code in its cookie, its participant, and the token of its forms."""
 
 from dataclasses import dataclass
 from datetime import timedelta
@@ -8,8 +8,8 @@ from flask import Response, current_app, g, request
 from emovid.kit.manifest import Manifest
 from emovid.kit.read import Kit
 from emovid.survey import codes
-from emovid.survey.flow import Progress
 from emovid.survey.records import Participant
+from emovid.survey.rules import Progress
 from emovid.survey.store import Store
 
 FORM_FIELD = "form-token"  # with a hyphen: no question can have this name
@@ -19,13 +19,13 @@ _COOKIE_AGE = timedelta(days=90)
 
 @dataclass(frozen=True)
 class Survey:
-    """What the pages are made from.
+    """The survey that the application shows.
 
     Attributes:
-        kit: without its private folder.
-        store: of the answers.
-        https: whether participants come by TLS, spoken by a proxy in front; the cookie then travels by TLS only.
-        release: after so many seconds without a sign of who has it, a row of the orders is free again.
+        kit: kit, without its private folder.
+        store: store of the answers.
+        https: whether a proxy in front speaks TLS with participants; the cookie is then sent over TLS only.
+        release: seconds without activity after which an unfinished participant's row of the orders is free again.
     """
 
     kit: Kit
@@ -35,37 +35,37 @@ class Survey:
 
     @property
     def manifest(self) -> Manifest:
-        """The public manifest of the kit."""
+        """Public manifest of the kit."""
         return self.kit.manifest
 
     @property
     def cookie(self) -> str:
-        """The name of the cookie; browsers let no other host set one that begins with __Host-."""
+        """Name of the cookie; browsers let no other host set one that begins with __Host-."""
         return "__Host-emovid" if self.https else "emovid"
 
 
 def survey() -> Survey:
-    """Return what the pages of the running application are made from."""
+    """Return the survey of the running application."""
     found: Survey = current_app.extensions["survey"]
     return found
 
 
-def meet() -> None:
-    """Take the code from the cookie, or draw one; nothing is recorded of it before the consent."""
-    given = codes.normal(request.cookies.get(survey().cookie, ""))
+def load_code() -> None:
+    """Take the code from the cookie, or draw a new one; nothing is recorded before the consent."""
+    given = codes.normalized(request.cookies.get(survey().cookie, ""))
     g.code, g.new = given or codes.fresh_code(), not given
 
 
-def take(code: str) -> None:
-    """Make this the code of the browser from now on."""
+def use_code(code: str) -> None:
+    """Make this the code of the browser."""
     g.code, g.new = code, True
 
 
-def keep(response: Response) -> Response:
+def set_cookie(response: Response) -> Response:
     """Set the cookie where the browser does not have it yet."""
     if g.get("new") and request.endpoint != "static":
-        own = survey()
-        response.set_cookie(own.cookie, g.code, max_age=_COOKIE_AGE, httponly=True, samesite="Lax", secure=own.https)
+        https = survey().https
+        response.set_cookie(survey().cookie, g.code, max_age=_COOKIE_AGE, httponly=True, samesite="Lax", secure=https)
     return response
 
 
@@ -77,7 +77,7 @@ def participant() -> Participant | None:
 def progress(person: Participant) -> Progress:
     """Return what a participant has done."""
     return Progress(
-        asked=bool(survey().manifest.demographics),
+        has_questions=bool(survey().manifest.demographics),
         told=person.about is not None,
         instructed=person.instructed,
         videos=len(person.videos),
@@ -87,11 +87,11 @@ def progress(person: Participant) -> Progress:
 
 
 def form_token() -> str:
-    """Return what a form of this browser must bring along."""
+    """Return the token that a form of this browser must send."""
     return codes.form_token(survey().store.secret, g.code)
 
 
-def brings_token() -> bool:
-    """Return whether a request brought it, in a field or in a header."""
+def has_form_token() -> bool:
+    """Return whether the request has the right token, in a field or in a header."""
     given = request.headers.get(FORM_HEADER) or request.form.get(FORM_FIELD, "")
     return codes.is_form_token(given, survey().store.secret, g.code)

@@ -1,4 +1,4 @@
-"""What is recorded of participants. What a method has returned from is on the disk."""
+"""The recorded answers of a kit's participants; once a method returns, its record is on the disk."""
 
 import json
 import sqlite3
@@ -6,22 +6,32 @@ import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from emovid.errors import InputError
+from emovid.kit.folders import KitFolder
+from emovid.kit.read import Kit, open_public
 from emovid.survey.database import Database
-from emovid.survey.enrolment import next_row
-from emovid.survey.queries import all_participants, opened_by, participant_of, plays_of
-from emovid.survey.records import Order, Participant, Screen, Viewing
-from emovid.survey.watch_rules import Play, is_open
+from emovid.survey.records import (
+    Order,
+    Participant,
+    Screen,
+    Viewing,
+    all_participants,
+    find_participant,
+    opened_by,
+    plays_of,
+)
+from emovid.survey.rules import Play, may_answer, next_row
 
-_MOST_PLAYS = 500  # recorded of one video and participant; the rest would only fill the disk
+_MAX_PLAYS = 500  # recorded per video and participant; more would only fill the disk
 
 
 class Store:
     """The answers to one kit.
 
     Args:
-        path: of the database, made if missing.
-        commitment: to the key of the kit, which tells kits apart.
-        clock: seconds since 1970.
+        path: file of the database, created if missing.
+        commitment: commitment to the key of the kit, which identifies the kit.
+        clock: returns the seconds since 1970.
 
     Raises:
         InputError, EmovidError: as `Database`.
@@ -36,17 +46,17 @@ class Store:
         """Close the database."""
         self._data.close()
 
-    def enrol(
+    def enroll(
         self, digest: str, orders: Mapping[str, Order], choices: Mapping[str, Order], version: str, release: float
     ) -> Participant:
-        """Add a participant, unless there is one with this code; return who has it.
+        """Add a participant, unless the code has one already; return the participant with this code.
 
         Args:
-            digest: of the participant's code.
-            orders: the codes of the videos, by row.
-            choices: the labels in the order of the page, by row.
-            version: of the consent.
-            release: after so many seconds without a sign, who has not finished gives the row back.
+            digest: digest of the participant's code.
+            orders: codes of the videos, by row.
+            choices: labels in the order of the page, by row.
+            version: version of the consent text.
+            release: seconds without activity after which an unfinished participant's row is free again.
         """
         now = self.clock()
         with self._data.writing() as sql:
@@ -60,26 +70,26 @@ class Store:
                 " (digest, order_row, videos, choices, consent_version, enrolled, seen) VALUES (?, ?, ?, ?, ?, ?, ?)",
                 (digest, row, json.dumps(orders[row]), json.dumps(choices[row]), version, now, now),
             )
-            person = participant_of(sql, digest)
-        assert person is not None  # added just now, if not before
+            person = find_participant(sql, digest)
+        assert person is not None  # inserted above, or earlier
         return person
 
     def find(self, digest: str) -> Participant | None:
         """Return the participant with a code of this digest."""
         with self._data.reading() as sql:
-            return participant_of(sql, digest)
+            return find_participant(sql, digest)
 
     def participants(self) -> list[tuple[Participant, dict[int, Viewing]]]:
-        """Return all participants in the sequence of their enrolment, with how they saw the videos."""
+        """Return all participants in the sequence of their enrollment, with their viewings by place."""
         with self._data.reading() as sql:
             return all_participants(sql)
 
     def tell(self, participant: int, about: Mapping[str, str]) -> None:
         """Record the answers about a participant who has not submitted."""
-        now, said = self.clock(), json.dumps(dict(about), ensure_ascii=False)
+        now, text = self.clock(), json.dumps(dict(about), ensure_ascii=False)
         change = "UPDATE participants SET about = ?, seen = ? WHERE id = ? AND submitted ISNULL"
         with self._data.writing() as sql:
-            sql.execute(change, (said, now, participant))
+            sql.execute(change, (text, now, participant))
 
     def instruct(self, participant: int) -> None:
         """Record that a participant has read the instructions."""
@@ -88,99 +98,99 @@ class Store:
             sql.execute(change, (self.clock(), participant))
 
     def show(self, participant: int, place: int) -> None:
-        """Record when a video's page was shown first, unless the participant has withdrawn meanwhile."""
+        """Record when a video's page was first shown, unless the participant has withdrawn meanwhile."""
         shown = "INSERT OR IGNORE INTO views (participant, place, shown) SELECT id, ?, ? FROM participants WHERE id = ?"
         with self._data.writing() as sql:
             sql.execute(shown, (place, self.clock(), participant))
 
     def start_play(self, participant: int, place: int, play: str, screen: Screen) -> None:
-        """Record that a video has begun to play; the second report of one play says nothing new.
-
-        Nothing is recorded of who has withdrawn meanwhile.
-        """
-        now, at = self.clock(), (participant, place)
+        """Record the start of a playback once, unless the participant has withdrawn meanwhile."""
+        now = self.clock()
         with self._data.writing() as sql:
-            # After a clock was put back, who began before would wait for longer than a video lasts.
+            # After the clock was put back, earlier playbacks would have to wait for longer than the video's length.
             sql.execute(
-                "UPDATE plays SET started = ? WHERE participant = ? AND place = ? AND started > ?", (now, *at, now)
+                "UPDATE plays SET started = ?1 WHERE participant = ?2 AND place = ?3 AND started > ?1",
+                (now, participant, place),
             )
             sql.execute(
                 "INSERT OR IGNORE INTO plays (participant, place, play, started, device, width, height)"
-                " SELECT id, ?, ?, ?, ?, ?, ? FROM participants"
-                " WHERE id = ? AND (SELECT count(*) FROM plays WHERE participant = ? AND place = ?) < ?",
-                (place, play, now, screen.device, screen.width, screen.height, participant, *at, _MOST_PLAYS),
+                " SELECT id, ?2, ?3, ?4, ?5, ?6, ?7 FROM participants"
+                " WHERE id = ?1 AND (SELECT count(*) FROM plays WHERE participant = ?1 AND place = ?2) < ?8",
+                (participant, place, play, now, screen.device, screen.width, screen.height, _MAX_PLAYS),
             )
-            _sign(sql, participant, now)
+            _mark_seen(sql, participant, now)
 
     def play(self, participant: int, place: int, play: str) -> Play | None:
-        """Return what is known of a play."""
+        """Return a playback."""
         with self._data.reading() as sql:
-            return plays_of(sql, (participant, place)).get(play)
+            return plays_of(sql, participant, place).get(play)
 
     def end_play(
         self, participant: int, place: int, play: str, share: float, frames: tuple[int, int], duration: float
     ) -> bool:
-        """Record how much of a video a play has shown; return whether the video may now be answered.
+        """Record the share of a video that a playback has shown; return whether the video may now be answered.
 
         Args:
-            participant: who plays.
-            place: of the video.
-            play: which was begun.
-            share: that is believed, see `gate.credited`.
-            frames: shown, and dropped of them.
-            duration: of the video [s].
+            participant: number of the participant.
+            place: place of the video.
+            play: name of the playback.
+            share: credited share, see `rules.credited`.
+            frames: number of frames shown, and of frames dropped.
+            duration: length of the video [s].
         """
-        now, at = self.clock(), (participant, place)
+        now = self.clock()
         with self._data.writing() as sql:
             sql.execute(
                 "UPDATE plays SET share = max(share, ?), frames = max(frames, ?), dropped = max(dropped, ?)"
                 " WHERE participant = ? AND place = ? AND play = ?",
-                (share, *frames, *at, play),
+                (share, *frames, participant, place, play),
             )
-            if is_open(plays_of(sql, at).values(), now, duration):
+            if may_answer(plays_of(sql, participant, place).values(), now, duration):
                 sql.execute(
-                    "UPDATE views SET opened = coalesce(opened, ?) WHERE participant = ? AND place = ?", (now, *at)
+                    "UPDATE views SET opened = coalesce(opened, ?) WHERE participant = ? AND place = ?",
+                    (now, participant, place),
                 )
             return place in opened_by(sql, participant)
 
     def answer(self, participant: int, place: int, response: str, ratings: Mapping[str, int]) -> bool:
-        """Record an answer, unless it is the one that counts already; return whether it counts now.
+        """Record an answer, unless it repeats the last one; return whether it counts now.
 
-        It does not where all was submitted, where the video was not watched, and where the participant has withdrawn.
+        It does not count after the submission, before the video was watched, and after a withdrawal.
         """
-        now, at, said = self.clock(), (participant, place), (response, json.dumps(dict(ratings)))
+        now, answer = self.clock(), (response, json.dumps(dict(ratings)))
         with self._data.writing() as sql:
-            who = sql.execute("SELECT 1 FROM participants WHERE id = ? AND submitted ISNULL", (participant,)).fetchone()
-            if who is None or place not in opened_by(sql, participant):
+            person = sql.execute("SELECT 1 FROM participants WHERE id = ? AND submitted ISNULL", (participant,))
+            if person.fetchone() is None or place not in opened_by(sql, participant):
                 return False
             last = sql.execute(
-                "SELECT response, ratings FROM answers WHERE participant = ? AND place = ? ORDER BY id DESC LIMIT 1", at
+                "SELECT response, ratings FROM answers WHERE participant = ? AND place = ? ORDER BY id DESC LIMIT 1",
+                (participant, place),
             ).fetchone()
-            if last != said:
+            if last != answer:
                 sql.execute(
                     "INSERT INTO answers (participant, place, response, ratings, given) VALUES (?, ?, ?, ?, ?)",
-                    (*at, *said, now),
+                    (participant, place, *answer, now),
                 )
-            _sign(sql, participant, now)
+            _mark_seen(sql, participant, now)
             return True
 
     def submit(self, participant: int) -> bool:
-        """End a participant's survey if every video has an answer; return whether it has ended, now or before."""
+        """Submit a participant's answers if every video has one; return whether they are submitted, now or before."""
         with self._data.writing() as sql:
             sql.execute(
                 "UPDATE participants SET submitted = ?1, seen = ?1 WHERE id = ?2 AND submitted ISNULL AND"
                 " json_array_length(videos) = (SELECT count(DISTINCT place) FROM answers WHERE participant = ?2)",
                 (self.clock(), participant),
             )
-            ended = "SELECT 1 FROM participants WHERE id = ? AND submitted NOTNULL"
-            return sql.execute(ended, (participant,)).fetchone() is not None
+            submitted = "SELECT 1 FROM participants WHERE id = ? AND submitted NOTNULL"
+            return sql.execute(submitted, (participant,)).fetchone() is not None
 
     def withdraw(self, digest: str) -> bool:
-        """Delete all of a participant, from the file and its log; return whether there is or was such a one."""
+        """Delete a participant from the file and its log; return whether the code belongs to one, now or before."""
         with self._data.writing() as sql:
             if sql.execute("DELETE FROM participants WHERE digest = ?", (digest,)).rowcount:
                 sql.execute("INSERT OR IGNORE INTO withdrawn VALUES (?)", (digest,))
-        self._data.fold()
+        self._data.checkpoint()
         return self.has_withdrawn(digest)
 
     def has_withdrawn(self, digest: str) -> bool:
@@ -189,10 +199,52 @@ class Store:
             return sql.execute("SELECT 1 FROM withdrawn WHERE digest = ?", (digest,)).fetchone() is not None
 
     def withdrawals(self) -> int:
-        """Return how many have withdrawn."""
+        """Return the number of withdrawn participants."""
         with self._data.reading() as sql:
             return int(sql.execute("SELECT count(*) FROM withdrawn").fetchone()[0])
 
 
-def _sign(sql: sqlite3.Connection, participant: int, now: float) -> None:
+def _mark_seen(sql: sqlite3.Connection, participant: int, now: float) -> None:
     sql.execute("UPDATE participants SET seen = ? WHERE id = ?", (now, participant))
+
+
+def database_of(path: Path, *, pilot: bool) -> Path:
+    """Return the database file of a kit's answers; a pilot has its own file."""
+    return KitFolder(path).answers / ("pilot.sqlite" if pilot else "answers.sqlite")
+
+
+def open_survey(path: Path, *, pilot: bool, create: bool = False) -> tuple[Kit, Store]:
+    """Return a kit, without its private folder, and the store of the answers to it.
+
+    Args:
+        path: folder of the kit.
+        pilot: whether to open the answers of the pilot.
+        create: whether to create a missing store.
+
+    Raises:
+        InputError: if the folder is not a finished kit, the kit has no orders, its videos are not those of its
+            manifest, or the store is missing or belongs to another kit.
+        EmovidError: if the store cannot be opened.
+    """
+    kit = open_public(path)
+    file = database_of(path, pilot=pilot)
+    if create:
+        _check_complete(kit)
+    elif not file.is_file():
+        raise InputError(f"{file}: no such file; expected answers: emovid study serve{' --pilot' * pilot} records them")
+    return kit, Store(file, kit.manifest.key_commitment)
+
+
+def _check_complete(kit: Kit) -> None:
+    kit.need_orders()
+    for video in kit.manifest.videos:
+        path = kit.folder.video(video.code)
+        if not path.is_file() or path.stat().st_size != video.bytes:
+            raise InputError(
+                f"{path}: not the video of the manifest; expected {video.bytes} bytes: build the kit again"
+            )
+    known = set(kit.manifest.codes)
+    for name, order in kit.orders.items():
+        if not set(order) <= known:
+            message = f"{name} has videos that the manifest lacks; expected the orders of this kit: build it again"
+            raise InputError(f"{kit.folder.orders}: {message}")

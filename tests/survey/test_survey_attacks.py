@@ -7,9 +7,9 @@ import pytest
 
 from emovid.kit.read import open_public
 from emovid.survey import codes
-from emovid.survey.app import MOST_BYTES, create_app
+from emovid.survey.app import MAX_BYTES, create_app
 from emovid.survey.export import responses_csv
-from emovid.survey.open import open_survey
+from emovid.survey.store import open_survey
 from tests.helpers.small_survey import STUDY
 from tests.helpers.visitor import Visitor
 
@@ -174,7 +174,7 @@ def test_text_is_shown_as_it_was_written(someone) -> None:
 def test_a_study_s_own_texts_are_no_html(kit, tmp_path, clock) -> None:
     manifest = kit / "public" / "manifest.json"
     manifest.write_text(manifest.read_text().replace("Watch each video to its end.", "<script>alert(1)</script>"))
-    opened, store = open_survey(kit, pilot=False, begin=True)
+    opened, store = open_survey(kit, pilot=False, create=True)
     visitor = Visitor(create_app(opened, store), clock)
     visitor.post("/consent", consent="agree")
     visitor.post("/about", gender="Man")
@@ -224,9 +224,9 @@ def test_bodies_and_fields_have_an_end(someone, store, opened) -> None:
     before = everything(store, opened)
     token = someone.token
     for reply in (
-        someone.post("/about", gender="Man", country="x" * (MOST_BYTES + 1)),
-        someone.client.post("/about", data=b"x" * (MOST_BYTES + 1), headers={"X-Form-Token": token}),
-        someone.report("/video/1/play", play="0" * 16, padding="x" * MOST_BYTES),
+        someone.post("/about", gender="Man", country="x" * (MAX_BYTES + 1)),
+        someone.client.post("/about", data=b"x" * (MAX_BYTES + 1), headers={"X-Form-Token": token}),
+        someone.report("/video/1/play", play="0" * 16, padding="x" * MAX_BYTES),
     ):
         assert reply.status_code == 413
         assert "Something went wrong" in reply.text
@@ -303,7 +303,7 @@ def test_the_survey_runs_without_the_private_folder_and_never_opens_it(kit, cloc
     listening = True
     sys.addaudithook(listen)
     (kit / "private").chmod(0)
-    opened, store = open_survey(kit, pilot=False, begin=True)
+    opened, store = open_survey(kit, pilot=False, create=True)
     Visitor(create_app(opened, store), clock).begin()
     everything(store, opened)
     store.close()

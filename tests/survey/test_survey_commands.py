@@ -15,7 +15,7 @@ from emovid.kit.read import open_kit
 from emovid.responses.read import read_responses
 from emovid.survey.app import create_app
 from emovid.survey.codes import digest, readable
-from emovid.survey.open import database_of, open_survey
+from emovid.survey.store import database_of, open_survey
 from tests.helpers.small_survey import LABELS
 from tests.helpers.visitor import Clock, Visitor
 
@@ -28,7 +28,7 @@ def elsewhere(kit, monkeypatch) -> None:
 
 def take_part(answers: list[list[str]], *, pilot: bool = False, submit: bool = True) -> list[Visitor]:
     """Let participants go through the survey of the kit."""
-    opened, store = open_survey(Path("kit"), pilot=pilot, begin=True)
+    opened, store = open_survey(Path("kit"), pilot=pilot, create=True)
     clock = Clock()
     store.clock = clock
     app = create_app(opened, store)

@@ -90,7 +90,7 @@ def test_consent_that_is_given_twice_enrols_once(visitor, store, opened) -> None
         reply = someone.client.post("/consent", data={"form-token": token, "consent": "agree"})
         assert reply.location == "/about"
     assert len(store.participants()) == 1
-    store.enrol(digest(someone.cookie), opened.orders, opened.choices, "1", 60.0)  # as two requests at one time would
+    store.enroll(digest(someone.cookie), opened.orders, opened.choices, "1", 60.0)  # as two requests at one time would
     assert len(store.participants()) == 1
 
 

@@ -7,10 +7,20 @@ from hypothesis import strategies as st
 
 from emovid.kit.orders import balance_of, largest_spread, presentation_orders
 from emovid.survey import codes
-from emovid.survey.enrolment import next_row
-from emovid.survey.flow import Page, Progress, Step, after_video, before, current, is_open
-from emovid.survey.watch_rules import Play, credited, wait
-from emovid.survey.watch_rules import is_open as gate_is_open
+from emovid.survey.rules import (
+    Page,
+    Play,
+    Progress,
+    Step,
+    after_video,
+    before,
+    credited,
+    current,
+    is_open,
+    may_answer,
+    next_row,
+    wait,
+)
 
 DONE = st.builds(
     lambda asked, told, instructed, videos, answered, submitted: Progress(
@@ -97,7 +107,7 @@ def test_no_report_is_believed_beyond_what_the_clock_allows(started, now, durati
 
 @given(st.lists(st.builds(Play, MOMENTS, st.floats(0, 1)), max_size=5), MOMENTS, st.floats(0.04, 60))
 def test_the_gate_opens_only_after_a_whole_play_and_its_time(plays, now, duration) -> None:
-    if gate_is_open(plays, now, duration):
+    if may_answer(plays, now, duration):
         assert any(play.share >= 0.98 for play in plays)
         assert all(
             now - play.started >= 0.98 * duration for play in plays if play is min(plays, key=lambda p: p.started)
@@ -116,7 +126,7 @@ def test_codes_are_long_and_survive_being_copied_by_hand() -> None:
     drawn = {codes.fresh_code() for _ in range(500)}
     assert len(drawn) == 500
     for code in drawn:
-        assert codes.normal(f" {codes.readable(code).upper()}\n") == code
+        assert codes.normalized(f" {codes.readable(code).upper()}\n") == code
     marks = Counter("".join(drawn))
     assert len(marks) == 28
     assert 28 ** len(code) > 2**115
@@ -125,14 +135,14 @@ def test_codes_are_long_and_survive_being_copied_by_hand() -> None:
 
 @given(st.text(max_size=60))
 def test_what_is_no_code_is_none(text) -> None:
-    assert codes.normal(text) in ("", "".join(text.split()).replace("-", "").lower())
+    assert codes.normalized(text) in ("", "".join(text.split()).replace("-", "").lower())
 
 
 @pytest.mark.parametrize(
     "text", ["", "a" * 24, "0" * 24, "b" * 23, "b" * 25, "b" * 10**6, "' OR 1=1 --", "b" * 23 + "ö"]
 )
 def test_codes_that_cannot_be_are_refused_before_the_database_is_asked(text) -> None:
-    assert codes.normal(text) == ""
+    assert codes.normalized(text) == ""
 
 
 def test_a_form_token_is_of_one_secret_and_one_code() -> None:

@@ -11,7 +11,7 @@ from emovid.errors import InputError
 from emovid.survey.codes import digest
 from emovid.survey.records import Participant, Screen
 from emovid.survey.store import Store
-from emovid.survey.watch_rules import Play
+from emovid.survey.rules import Play
 
 ORDERS = {"P001": ("vvv", "www"), "P002": ("www", "vvv")}
 CHOICES = dict.fromkeys(ORDERS, ("fear", "anger"))
@@ -19,7 +19,7 @@ SCREEN = Screen("phone", 343, 193)
 
 
 def enrolled(store: Store, code: str = "code") -> Participant:
-    store.enrol(digest(code), ORDERS, CHOICES, "1", 60.0)
+    store.enroll(digest(code), ORDERS, CHOICES, "1", 60.0)
     found = store.find(digest(code))
     assert found is not None
     return found
@@ -112,7 +112,7 @@ def test_a_play_that_is_reported_twice_is_one_and_a_clock_put_back_makes_nobody_
     small.clock.now += 2
     assert small.end_play(person.id, 1, "two", 1.0, (60, 2), 2.0)
     ((_, viewings),) = small.participants()
-    assert (viewings[1].plays, viewings[1].frames, viewings[1].screen) == (2, (60, 2), SCREEN)
+    assert (viewings[1].plays, viewings[1].frames, viewings[1].dropped, viewings[1].screen) == (2, 60, 2, SCREEN)
 
 
 def test_the_gate_stays_open_once_it_was(small) -> None:
@@ -124,7 +124,7 @@ def test_the_gate_stays_open_once_it_was(small) -> None:
 
 
 def test_plays_beyond_the_most_fill_no_disk(small, monkeypatch) -> None:
-    monkeypatch.setattr("emovid.survey.store._MOST_PLAYS", 5)
+    monkeypatch.setattr("emovid.survey.store._MAX_PLAYS", 5)
     person = enrolled(small)
     small.show(person.id, 1)
     for n in range(8):
@@ -218,7 +218,7 @@ from pathlib import Path
 from emovid.survey.records import Screen
 from emovid.survey.store import Store
 store = Store(Path(sys.argv[1]), "commitment")
-store.enrol("digest", {"P001": ("vvv",)}, {"P001": ("fear",)}, "1", 60.0)
+store.enroll("digest", {"P001": ("vvv",)}, {"P001": ("fear",)}, "1", 60.0)
 person = store.find("digest").id
 store.show(person, 1)
 store.start_play(person, 1, "one", Screen("phone", 1, 1))
