@@ -7,15 +7,9 @@ from pathlib import Path
 from flask import Flask
 from waitress.server import MultiSocketServer, TcpWSGIServer, create_server
 
-<<<<<<< HEAD
-from emovid.errors import EmovidError, InputError, reason
-from emovid.survey.app import MOST_BYTES, create_app
-from emovid.survey.open import open_survey
-=======
 from emovid.errors import EmovidError, InputError, reason
 from emovid.survey.app import MAX_BYTES, create_app
 from emovid.survey.store import open_survey
->>>>>>> f2f36c1 (Survey: fuller modules (rules, records, store, export), standard names, typed rows)
 
 _THREADS = 8  # most requests wait for the disk
 _MAX_HEADER = 16 * 1024  # bytes

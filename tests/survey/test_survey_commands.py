@@ -107,7 +107,7 @@ def test_withdrawal_by_code_deletes_and_says_what_is_left_to_do(capsys) -> None:
     (visitor,) = take_part([["fear"] * 6])
     code = readable(visitor.cookie)
     assert main(["study", "withdraw", "kit", code]) == 0
-    assert "former exports" in capsys.readouterr().err
+    assert "earlier exports" in capsys.readouterr().err
     _, store = open_survey(Path("kit"), pilot=False)
     assert store.participants() == []
     assert store.has_withdrawn(digest(visitor.cookie))

@@ -10,8 +10,8 @@ import pytest
 from emovid.errors import InputError
 from emovid.survey.codes import digest
 from emovid.survey.records import Participant, Screen
-from emovid.survey.store import Store
 from emovid.survey.rules import Play
+from emovid.survey.store import Store
 
 ORDERS = {"P001": ("vvv", "www"), "P002": ("www", "vvv")}
 CHOICES = dict.fromkeys(ORDERS, ("fear", "anger"))
