@@ -3,9 +3,8 @@
 import shlex
 
 import pytest
-from typer.main import get_command
 
-from emovid.cli.main import app
+from emovid.cli.main import all_commands
 from tests.helpers.pages import DOCS, ROOT, follow, mentioned, pages, steps
 
 # Three test modules share the pages, so that they can run at the same time.
@@ -25,7 +24,7 @@ def test_the_commands_of_a_page_do_what_it_says(page, tmp_path) -> None:
 def test_a_command_that_is_named_in_passing_exists_with_its_options(page) -> None:
     for line in mentioned(page):
         words = shlex.split(line.replace("...", "x"))[1:]
-        command = get_command(app)
+        command = all_commands()
         while hasattr(command, "commands"):
             if not words or words[0].isupper() or words[0].startswith("-"):  # COMMAND, or an option of all
                 break
