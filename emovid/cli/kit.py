@@ -1,30 +1,38 @@
-"""`emovid study new`, `build`, `audit` and `export`: a blinded kit of stimuli, and what labs need of it."""
+"""`emovid study new`, `build`, `audit` and `export`: blinded kits for user studies."""
 
 import json
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
+from rich import box
+from rich.console import Console
+from rich.table import Table
 
 from emovid.cli import completion
 from emovid.cli.options import Force, Json, Quiet
 from emovid.cli.progress import counting
-from emovid.errors import InputError, nearest
+from emovid.cli.tables import show_table
+from emovid.kit.audit import Audit
+from emovid.kit.audit import audit as audit_kit
+from emovid.kit.build import build as build_kit
+from emovid.kit.export import export as export_kit
+from emovid.kit.folder import open_kit
+from emovid.kit.load import load_study, start_study
+from emovid.kit.orders import Balance
+from emovid.kit.seeded_random import GUESSABLE
 
-if TYPE_CHECKING:
-    from emovid.kit.audit import Audit
-
-KitPath = Annotated[Path, typer.Argument(metavar="KIT", help="The folder of a kit.")]
+KitPath = Annotated[Path, typer.Argument(metavar="KIT", help="Folder of a kit.")]
 Responses = Annotated[
     list[Path] | None,
-    typer.Option("--responses", help="An export of the survey; more than once for several.", show_default=False),
+    typer.Option("--responses", help="An export of the survey; repeat for several.", show_default=False),
 ]
 
 
 def new(
-    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="The folder of the study, made if missing.")],
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder of the study, created if missing.")],
     quiet: Quiet = False,
 ) -> None:
     """Create a study file that follows the paper's procedure.
@@ -33,34 +41,22 @@ def new(
 
     Example: emovid study new my-study/
     """
-    from emovid.atomic_io import make_folder, writing
-    from emovid.kit.load import NAME
-    from emovid.scene.resources import STUDIES, read_text
-
-    file = folder / NAME
-    if folder.suffix.lower() in (".yaml", ".yml") or (folder.exists() and not folder.is_dir()):
-        raise InputError(f"{folder}: expected a folder, to write {NAME} into")
-    if file.exists():
-        raise InputError(f"{file}: exists; expected another folder")
-    text = read_text(STUDIES / "example" / NAME, "study")
-    make_folder(folder)
-    with writing(file) as target:
-        target.write(text.encode())
+    file = start_study(folder)
     if not quiet:
-        typer.echo(f"{file}: the paper's study; make it yours, then emovid study build {folder} -o kit/", err=True)
+        typer.echo(f"{file}: the paper's study; edit it, then run emovid study build {folder} -o kit/", err=True)
 
 
 def build(
-    study: Annotated[Path, typer.Argument(metavar="STUDY", help="A study.yaml, or the folder that holds one.")],
-    output: Annotated[Path, typer.Option("--output", "-o", help="The folder of the kit, made if missing.")] = Path(
+    study: Annotated[Path, typer.Argument(metavar="STUDY", help="A study.yaml, or a folder with one.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="Folder of the kit, created if missing.")] = Path(
         "kit"
     ),
     participants: Annotated[
-        int | None, typer.Option(min=1, max=100_000, help="Orders to make.", show_default="as the study says")
+        int | None, typer.Option(min=1, max=100_000, help="Number of orders.", show_default="that of the study")
     ] = None,
     seed: Annotated[
         int | None,
-        typer.Option(min=0, help="What all is drawn from, to make a kit again.", show_default="a fresh secret"),
+        typer.Option(min=0, help="Random seed, to build the same kit again.", show_default="a new secret one"),
     ] = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -71,41 +67,36 @@ def build(
 
     Examples: emovid study build my-study/ -o kit/ · emovid study build my-study/ -o kit/ --participants 60
     """
-    from emovid.kit.build import build as make
-    from emovid.kit.load import load_study
-    from emovid.kit.seeded_random import GUESSABLE
-
     loaded = load_study(study)
     orders = participants or loaded.study.participants
-    with counting("frames", quiet=quiet) as told:
-        report = _Report(len(loaded.exemplars), loaded.study.video.frames, told, quiet)
-        made = make(loaded, output, orders, seed, report, force=force)
+    with counting("frames", quiet=quiet) as watch:
+        progress = _Progress(len(loaded.exemplars), loaded.study.video.frames, watch, quiet)
+        made = build_kit(loaded, output, orders, seed, progress, force=force)
     if quiet:
         return
     print(f"{output}: {len(made.codes)} videos, orders for {made.participants} participants", file=sys.stderr)
-    print("public/ is for everybody; private/ for nobody before the answers are in", file=sys.stderr)
+    print("Serve public/ to anybody; keep private/ closed until the data are complete", file=sys.stderr)
     if made.seed < GUESSABLE:
-        warning = "this seed can be guessed, and the key with it: for a real study leave --seed out"
-        print(warning, file=sys.stderr)
+        print("warning: this seed, and with it the key, can be guessed; omit --seed for a real study", file=sys.stderr)
 
 
-class _Report:
-    """Says when a video is done, and how many frames of all are.
+class _Progress:
+    """Prints finished videos, and counts frames.
 
     Args:
-        videos: to be made.
-        frames: of each.
-        told: hears of frames; None where nobody watches.
-        quiet: whether to say nothing.
+        videos: number of videos.
+        frames: number of frames of each.
+        watch: receives finished and all frames; None without a terminal.
+        quiet: whether to print nothing.
     """
 
-    def __init__(self, videos: int, frames: int, told: Callable[[int, int], None] | None, quiet: bool) -> None:
+    def __init__(self, videos: int, frames: int, watch: Callable[[int, int], None] | None, quiet: bool) -> None:
         self.done, self.frames, self.total = 0, frames, videos * frames
-        self.told, self.quiet = told, quiet
+        self.watch, self.quiet = watch, quiet
 
     def advanced(self, frames: int) -> None:
-        if self.told:
-            self.told(self.done + frames, self.total)
+        if self.watch:
+            self.watch(self.done + frames, self.total)
 
     def finished(self, video: Path, number: int, count: int, *, made: bool) -> None:
         self.done = number * self.frames
@@ -117,23 +108,19 @@ def audit(
     kit: KitPath,
     key: Annotated[
         Path | None,
-        typer.Option("--key", help="A published key, its salt.txt beside it.", show_default="the private one"),
+        typer.Option("--key", help="A published key with its salt.txt beside it.", show_default="the private one"),
     ] = None,
     responses: Responses = None,
-    unblind: Annotated[
-        bool, typer.Option("--unblind", help="Say emotions, too, and the bit rates that could tell them.")
-    ] = False,
+    unblind: Annotated[bool, typer.Option("--unblind", help="Show emotions, and bit rates that reveal them.")] = False,
     as_json: Json = False,
 ) -> None:
     """Search a kit for anything that reveals an emotion to participants.
 
-    Prints a line for each finding; exit with 1 if there is any.
+    Prints a line for each finding; exits with 1 if there is any.
 
     Examples: emovid study audit kit/ · emovid study audit kit/ --responses answers.csv
     """
-    from emovid.kit.audit import audit as run
-
-    found = run(kit, key, responses or [])
+    found = audit_kit(kit, key, responses or [])
     if as_json:
         typer.echo(json.dumps(found.facts(unblind=unblind), indent=2))
     else:
@@ -154,10 +141,10 @@ def export(
         ),
     ],
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="The folder to write into.", show_default="KIT/exports/TOOL")
+        Path | None, typer.Option("--output", "-o", help="Output folder.", show_default="KIT/exports/TOOL")
     ] = None,
     video_url: Annotated[
-        str, typer.Option("--video-url", help="Where Qualtrics or LimeSurvey finds the videos.")
+        str, typer.Option("--video-url", help="Address of the videos for Qualtrics or LimeSurvey.")
     ] = "videos",
     responses: Responses = None,
     quiet: Quiet = False,
@@ -168,35 +155,15 @@ def export(
 
     Example: emovid study export kit/ --to jspsych
     """
-    from emovid.kit.export import TOOLS
-    from emovid.kit.export import export as run
-    from emovid.kit.read import open_kit
-
-    if to not in TOOLS:
-        raise InputError(f"--to {to}: expected one of {', '.join(TOOLS)}{nearest(to, TOOLS)}")
-    if output is not None and output.exists() and not output.is_dir():
-        raise InputError(f"-o {output}: is a file; expected a folder")
-    if responses and to != "psych-ds":
-        raise InputError(f"--responses: no answers go into {to}; expected --to psych-ds")
-    written = run(open_kit(kit), to, output, video_url, responses or [])
+    written = export_kit(open_kit(kit), to, output, video_url, responses or [])
     if not quiet:
-        folder = output or kit / "exports" / to
-        print(f"{folder}: {len(written)} files; start with {_first(written)}", file=sys.stderr)
+        names = [path.name for path in written]
+        start = "README.md" if "README.md" in names else names[0]
+        print(f"{output or kit / 'exports' / to}: {len(written)} files; start with {start}", file=sys.stderr)
 
 
-def _first(written: list[Path]) -> str:
-    names = [path.name for path in written]
-    return "README.md" if "README.md" in names else names[0]
-
-
-def _show(found: "Audit", unblind: bool) -> None:
-    """Print the findings, what was checked, the sizes and the balance; what tells emotions only to `unblind`."""
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
-    from emovid.cli.tables import show_table
-
+def _show(found: Audit, unblind: bool) -> None:
+    """Print findings, checks, sizes and balance; emotions, and sizes that reveal them, only if `unblind`."""
     console = Console(highlight=False, markup=False)
     for finding in found.findings:
         console.print(finding.unblinded if unblind else str(finding), soft_wrap=True)
@@ -205,24 +172,22 @@ def _show(found: "Audit", unblind: bool) -> None:
         checks.add_row(name, str(count or "none"))
     show_table(checks)
     if unblind:
-        sizes = Table("emotion", "code", "bytes", "of them needed", "kbit/s", box=box.SIMPLE)
-        for row in found.sizes:
-            cells = (row["emotion"], row["video_code"], row["bytes"], row["content_bytes"], row["kbit_per_s"])
-            sizes.add_row(*map(str, cells))
+        sizes = Table("emotion", "code", "bytes", "without padding", "kbit/s", box=box.SIMPLE)
+        for size in found.sizes:
+            sizes.add_row(size.emotion, size.video_code, *map(str, (size.bytes, size.content_bytes, size.kbit_per_s)))
         show_table(sizes, heads=2)
-    where = "" if unblind else ": --unblind lists it"
-    equal = f"Files are made equally long; the bit rate inside follows the motion, and cannot be hidden{where}."
-    console.print(equal, soft_wrap=True)
+    where = "" if unblind else "; --unblind lists it"
+    lines = [f"All files have equal size. The bit rate inside follows the motion and cannot be hidden{where}."]
     if found.orders:
-        console.print(_balance("Orders", found.orders), soft_wrap=True)
-    if found.left:
-        facts = found.left
-        people = f"{facts['participants']} participants, {facts['complete']} with all videos"
-        console.print(f"Answers: {people}, {facts['answers']} answers", soft_wrap=True)
-        console.print(_balance("Answers", facts), soft_wrap=True)
+        lines.append(_balance("Orders", found.orders))
+    if left := found.left:
+        lines += [f"Answers: {left.participants} participants, {left.complete} with all videos, {left.answers} answers"]
+        lines.append(_balance("Answers", left.balance))
+    for line in lines:
+        console.print(line, soft_wrap=True)
 
 
-def _balance(what: str, facts: Mapping[str, Any]) -> str:
-    places = f"{facts['places_least']} to {facts['places_most']} times in each place"
-    after = f"{facts['neighbours_least']} to {facts['neighbours_most']} times right after each other one"
-    return f"{what}: each video {places}, {after}"
+def _balance(what: str, balance: Balance) -> str:
+    positions = "{} to {} times in each position".format(*balance.places_range)
+    pairs = "{} to {} times immediately after each other video".format(*balance.pairs_range)
+    return f"{what}: each video {positions}, {pairs}"

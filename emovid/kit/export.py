@@ -1,21 +1,20 @@
-"""A kit for the tools that labs already use: `emovid study export`."""
+"""Exports of a kit for other tools: `emovid study export`."""
 
 import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from emovid.atomic_io import make_folder, whole_file
-from emovid.errors import InputError, reason
+from emovid.errors import InputError, nearest, reason
 from emovid.kit.exports.checklist import checklist
-from emovid.kit.exports.export import Files
 from emovid.kit.exports.jspsych import jspsych
 from emovid.kit.exports.limesurvey import limesurvey
 from emovid.kit.exports.prereg import prereg
-from emovid.kit.exports.psychds import psych_ds
+from emovid.kit.exports.psych_ds import psych_ds
 from emovid.kit.exports.psychopy import psychopy
 from emovid.kit.exports.qualtrics import qualtrics
-from emovid.kit.folders import TIME, write_text
-from emovid.kit.read import Kit
+from emovid.kit.exports.texts import Files
+from emovid.kit.folder import TIME, Kit, write_text
 from emovid.kit.seeded_random import is_code
 from emovid.responses.read import read_responses
 from emovid.responses.responses import Responses
@@ -36,19 +35,25 @@ TOOLS = tuple(_TOOLS)
 def export(
     kit: Kit, tool: str, folder: Path | None = None, video_url: str = "videos", responses: Sequence[Path] = ()
 ) -> list[Path]:
-    """Write a kit for one of the `TOOLS` and return the files.
+    """Write the files of a kit for one of the `TOOLS` and return their paths.
 
     Args:
-        kit: a finished one.
-        tool: to write for.
-        folder: to write into; None is that of the tool among the kit's exports, where audits look.
-        video_url: where the tool finds the videos.
+        kit: a finished kit.
+        tool: name of the tool.
+        folder: output folder; None for that of the tool in the kit, which audits include.
+        video_url: address of the videos.
         responses: exports of the survey, for the data set.
 
     Raises:
-        InputError: for a kit without orders or videos, or responses that cannot be read.
+        InputError: for an unknown tool, a kit without orders or videos, and invalid responses.
         EmovidError: if something cannot be written.
     """
+    if tool not in TOOLS:
+        raise InputError(f"--to {tool}: expected one of {', '.join(TOOLS)}{nearest(tool, TOOLS)}")
+    if folder is not None and folder.exists() and not folder.is_dir():
+        raise InputError(f"-o {folder}: is a file; expected a folder")
+    if responses and tool != "psych-ds":
+        raise InputError(f"--responses: {tool} contains no answers; expected --to psych-ds")
     kit.need_orders()
     answers = None
     if responses:
@@ -64,7 +69,7 @@ def export(
 
 
 def _copied(kit: Kit, folder: Path) -> list[Path]:
-    """Copy the videos, with the time they have, and remove those of a former kit."""
+    """Copy the videos with their times, and remove those of a former kit."""
     make_folder(folder)
     targets = {folder / f"{code}.mp4": kit.folder.video(code) for code in kit.manifest.codes}
     for path in folder.glob("*.mp4"):

@@ -1,4 +1,4 @@
-"""Finished videos as stimuli: checked, decoded, and encoded again like all others."""
+"""Finished videos as stimuli: checks, and encoding like all other videos."""
 
 import re
 from collections.abc import Iterator
@@ -14,17 +14,17 @@ from emovid.video import ffmpeg
 from emovid.video.canvas import Pixels
 from emovid.video.encoder import video_arguments, write_video
 
-# Of the first frame as it is shown, turned as the file says: width and height of a pixel, and of the picture.
+# Of the first frame with the rotation of the file applied: shape of a pixel, and size.
 _SHOWN = re.compile(r"showinfo.* sar:(\d+)/(\d+) s:(\d+x\d+) ")
 _RATE = re.compile(r"Stream #.*Video:.*?([\d.]+) fps")
-_BLOCK = 16  # side [pixels] of the squares whose luma is one level off: one macroblock of H.264
+_BLOCK = 16  # side [pixels] of the squares with changed luma: a macroblock of H.264
 
 
 def check_video(video: Path, look: Look) -> None:
-    """Check that a finished video is like all others.
+    """Check that a finished video has the format of all others.
 
     Raises:
-        SourceError: if it is none, or has another size, frame rate or number of frames, or pixels that are not square.
+        SourceError: for a file that is not a video, or has another size, frame rate, number of frames or pixel shape.
     """
     if not video.is_file():
         raise SourceError(str(video), "no such file")
@@ -35,19 +35,19 @@ def check_video(video: Path, look: Look) -> None:
     if not (found and shown and rate):
         raise SourceError(str(video), "cannot be decoded as a video")
     across, down, size = shown.groups()
-    if across not in ("0", down):  # 0: the file does not say, and players take them for square
-        raise SourceError(str(video), f"has pixels of {across}:{down}; expected square ones")
+    if across not in ("0", down):  # 0: unknown, which players take as square
+        raise SourceError(str(video), f"has pixels of {across}:{down}; expected square pixels")
     given = f"{size}, {float(rate[1]):g} fps, {found} frames"
     wanted = f"{look.size}, {look.fps} fps, {look.frames} frames"
     if given != wanted:
-        raise SourceError(str(video), f"has {given}; expected {wanted}, as all videos of the study")
+        raise SourceError(str(video), f"has {given}; expected {wanted}, as for all videos of the study")
 
 
 def reencode(video: Path, target: Path, look: Look, seed: int) -> None:
-    """Encode a finished video again, by our arguments, without its sound and metadata.
+    """Encode a finished video like all others, without sound and metadata.
 
-    Squares of the picture have their luma's lowest bit changed or not, by the private seed: nobody sees it, and no hash
-    of what can be made from the public file is that of the result.
+    The lowest bit of the luma changes in random squares, by the private seed. The change is invisible, and nobody can
+    reproduce the file from the public video.
 
     Raises:
         RenderError: if it cannot be decoded or encoded.
@@ -58,7 +58,7 @@ def reencode(video: Path, target: Path, look: Look, seed: int) -> None:
 
 
 def grain(width: int, height: int, seed: int) -> Pixels:
-    """Return which pixels' luma (height, width) has its lowest bit changed, 0 or 1: equal within squares."""
+    """Return 1 for pixels whose lowest bit of luma changes, otherwise 0, (height, width): constant in squares."""
     rows, columns = -(-height // _BLOCK), -(-width // _BLOCK)
     numbers = [draw(seed, "grain", i) for i in range(-(-rows * columns // 256))]
     bits = np.unpackbits(np.frombuffer(b"".join(n.to_bytes(32) for n in numbers), np.uint8))[: rows * columns]
@@ -66,7 +66,7 @@ def grain(width: int, height: int, seed: int) -> Pixels:
 
 
 def _planes(video: Path, width: int, height: int, changed: Pixels) -> Iterator[Pixels]:
-    """Yield the frames as yuv420p, each overwritten by the next."""
+    """Yield the frames as yuv420p, in one buffer."""
     conversion = "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+bitexact,format=yuv420p"
     for planes in ffmpeg.decode(video, conversion, width * height * 3 // 2):
         planes[: width * height] ^= changed.ravel()

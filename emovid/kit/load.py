@@ -12,14 +12,14 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from emovid.atomic_io import file_digest
-from emovid.errors import SourceError, nearest
+from emovid.atomic_io import file_digest, make_folder, writing
+from emovid.errors import InputError, SourceError, nearest
 from emovid.kit.external_videos import check_video
 from emovid.kit.study import MAX_VIDEOS, StimulusKeys, Study
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, load_scene, scene_digest
 from emovid.scene.model import Scene
-from emovid.scene.resources import read_text
+from emovid.scene.resources import STUDIES, read_text
 from emovid.scene.validation_messages import source_error
 from emovid.swarm.simulate import check_start
 from emovid.yaml_source import KeyPath, Places, place_of, read_yaml
@@ -68,6 +68,24 @@ class LoadedStudy:
         keys = self.study.resolved() | {"participants": None}
         text = json.dumps([version("emovid"), keys, contents], sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(text.encode()).hexdigest()
+
+
+def start_study(folder: Path) -> Path:
+    """Write the example study into a folder, created if missing, and return its study.yaml.
+
+    Raises:
+        InputError: if the folder is a file or contains a study.yaml.
+    """
+    file = folder / NAME
+    if folder.suffix.lower() in (".yaml", ".yml") or (folder.exists() and not folder.is_dir()):
+        raise InputError(f"{folder}: expected a folder for {NAME}")
+    if file.exists():
+        raise InputError(f"{file}: exists; expected another folder")
+    text = read_text(STUDIES / "example" / NAME, "study")
+    make_folder(folder)
+    with writing(file) as target:
+        target.write(text.encode())
+    return file
 
 
 def load_study(source: Path) -> LoadedStudy:

@@ -1,4 +1,4 @@
-"""The public manifest: all that the pages of a survey need, and nothing that tells an emotion from another."""
+"""The public manifest: everything that the pages of a survey need, and nothing that reveals an emotion."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -10,15 +10,14 @@ from pydantic import Field, PositiveFloat, PositiveInt, ValidationError
 
 from emovid.atomic_io import file_digest
 from emovid.errors import InputError, reason
-from emovid.kit.folders import KitFolder
 from emovid.kit.orders import Scheme
 from emovid.kit.study import Consent, Ethics, Question, Rating, Study, Texts, Thanks
 from emovid.scene.fields import Keys
 from emovid.scene.validation_messages import source_error
 
 
-class Video(Keys):
-    """A stimulus, as anybody may know it."""
+class PublicVideo(Keys):
+    """The public facts about a stimulus."""
 
     code: str
     file: str
@@ -32,18 +31,18 @@ class Video(Keys):
     duration: PositiveFloat
 
 
-class Answer(Keys):
-    """A label of the data, and its text on the page."""
+class Choice(Keys):
+    """An answer: its label in the data, and its text on the page."""
 
     label: str
     text: str
 
 
 class Choices(Keys):
-    """The answers, and whether each participant has them in an order of their own."""
+    """The answers, and whether their order is random for each participant."""
 
     order: Literal["fixed", "random"]
-    labels: tuple[Answer, ...]
+    labels: tuple[Choice, ...]
 
 
 class NamedRating(Rating):
@@ -53,7 +52,7 @@ class NamedRating(Rating):
 
 
 class Manifest(Keys):
-    """What manifest.json holds; the videos stand in the order of their codes."""
+    """The contents of manifest.json; videos in the order of their codes."""
 
     format: Literal["emovid kit 1"]
     title: str
@@ -72,7 +71,7 @@ class Manifest(Keys):
     participants: int
     videos_shown: int
     key_commitment: str
-    videos: Annotated[tuple[Video, ...], Field(min_length=1)]
+    videos: Annotated[tuple[PublicVideo, ...], Field(min_length=1)]
 
     @property
     def codes(self) -> list[str]:
@@ -80,14 +79,14 @@ class Manifest(Keys):
         return [video.code for video in self.videos]
 
     def text(self) -> str:
-        """Return it as it is written."""
+        """Return the manifest as JSON text."""
         return json.dumps(self.model_dump(mode="json"), indent=2, ensure_ascii=False) + "\n"
 
     def map_yaml(self, codes: Mapping[str, str] = MappingProxyType({})) -> str:
-        """Return what `study analyze --map` takes: the labels, and the texts that stand for them.
+        """Return the map for `study analyze --map`: the labels, and their texts.
 
         Args:
-            codes: what else a tool may write for a label.
+            codes: other words that a tool writes, with the label of each.
         """
         labels = [json.dumps(answer.label, ensure_ascii=False) for answer in self.choices.labels]
         meant = {answer.text: answer.label for answer in self.choices.labels} | dict(codes)
@@ -97,20 +96,17 @@ class Manifest(Keys):
         return "\n".join([f"labels: [{', '.join(labels)}]", "answers:", *answers, ""])
 
 
-def manifest_of(
-    study: Study, folder: KitFolder, codes: Sequence[str], participants: int, shown: int, commitment: str
-) -> Manifest:
-    """Return the manifest of a kit whose videos are there.
+def manifest_of(study: Study, videos: Sequence[Path], participants: int, shown: int, commitment: str) -> Manifest:
+    """Return the manifest of a kit.
 
     Args:
-        study: what is asked.
-        folder: of the kit.
-        codes: of the videos, sorted.
-        participants: with an order.
-        shown: videos to each of them.
-        commitment: to the key, see `secret.commitment`.
+        study: the study.
+        videos: the stimuli, in the order of their codes.
+        participants: number of orders.
+        shown: number of videos that each participant sees.
+        commitment: to the key, see `seeded_random.commitment`.
     """
-    labels = tuple(Answer(label=label, text=text) for label, text in study.answers.items())
+    labels = tuple(Choice(label=label, text=text) for label, text in study.answers.items())
     return Manifest(
         format="emovid kit 1",
         title=study.title,
@@ -129,12 +125,12 @@ def manifest_of(
         participants=participants,
         videos_shown=shown,
         key_commitment=commitment,
-        videos=tuple(_video(study, folder.video(code)) for code in codes),
+        videos=tuple(_video(study, video) for video in videos),
     )
 
 
 def read_manifest(path: Path) -> tuple[Manifest, list[str]]:
-    """Return a manifest, and the keys in it that none has.
+    """Return a manifest, and the keys in it that do not belong there.
 
     Raises:
         InputError: if there is none, or if one of its keys is missing or has another kind of value.
@@ -167,9 +163,9 @@ def _without(data: Any, location: Sequence[int | str]) -> None:
     del data[location[-1]]
 
 
-def _video(study: Study, video: Path) -> Video:
+def _video(study: Study, video: Path) -> PublicVideo:
     width, height = map(int, study.video.size.split("x"))
-    return Video(
+    return PublicVideo(
         code=video.stem,
         file=f"videos/{video.name}",
         type="video/mp4",

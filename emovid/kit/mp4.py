@@ -1,4 +1,4 @@
-"""What is inside an MP4 file (ISO/IEC 14496-12), box by box; and files made equally long."""
+"""Boxes of MP4 files (ISO/IEC 14496-12), and padding to equal size."""
 
 import struct
 from collections.abc import Iterator
@@ -8,19 +8,13 @@ from pathlib import Path
 from emovid.atomic_io import writing
 from emovid.errors import RenderError
 
-_HEAD = 8  # bytes of a box's size and name
+_HEAD = 8  # bytes of the size and the name of a box
 _CONTAINERS = ("moov", "trak", "mdia", "minf", "stbl", "dinf", "edts")
 
 
 @dataclass(frozen=True)
 class Box:
-    """A part of a file.
-
-    Attributes:
-        kind: its four letters.
-        start: its place in the file.
-        body: what it holds, without its head.
-    """
+    """A box: its four-letter name, its offset in the file, and its content without the header."""
 
     kind: str
     start: int
@@ -28,10 +22,10 @@ class Box:
 
 
 def boxes(data: bytes, offset: int = 0) -> Iterator[Box]:
-    """Yield the boxes of a file, those inside a container after it.
+    """Yield the boxes of a file, each container before the boxes inside it.
 
     Raises:
-        ValueError: where the bytes are no boxes.
+        ValueError: for bytes that are not a box.
     """
     place = 0
     while place < len(data):
@@ -51,16 +45,16 @@ def boxes(data: bytes, offset: int = 0) -> Iterator[Box]:
 
 
 def content_size(data: bytes) -> int:
-    """Return the bytes of a file without the free box at its end, if it has one. Raises ValueError as `boxes`."""
+    """Return the size of a file without a free box at its end [bytes]. Raises ValueError as `boxes`."""
     ends = [box for box in boxes(data) if box.kind == "free" and box.start + _HEAD + len(box.body) == len(data)]
     return ends[0].start if ends else len(data)
 
 
-def pad_alike(files: list[Path]) -> None:
-    """Make files equally long by a free box of zeros at the end of each, which players skip; again if need be.
+def pad_to_equal_size(files: list[Path]) -> None:
+    """Pad files to equal size by a free box of zeros at the end, which players skip; earlier padding is replaced.
 
     Raises:
-        RenderError: for a file that is no MP4.
+        RenderError: for a file that is not an MP4 file.
     """
     contents = {}
     for path in files:
@@ -68,7 +62,7 @@ def pad_alike(files: list[Path]) -> None:
         try:
             contents[path] = len(data), content_size(data)
         except ValueError as error:
-            raise RenderError(f"{path}: no MP4 file: {error}") from None
+            raise RenderError(f"{path}: not an MP4 file: {error}") from None
     size = max(content for _, content in contents.values()) + _HEAD
     for path, (whole, content) in contents.items():
         if whole != size:

@@ -1,15 +1,15 @@
-"""Orders of presentation: random, or balanced by squares; and the balance that any orders have.
+"""Orders of presentation, random or balanced by squares, and the balance of any orders.
 
-A Latin square has each video once in each place. A Williams square (E. J. Williams, Aust. J. Sci. Res. A 2, 149-168,
-1949) has, besides, each video once right after each other one, so that what one video does to the next averages out.
-For an odd number of videos this construction gives no single square, and for 3, 5 and 7 none exists: it takes a pair,
-the second the mirror image of the first.
+A Latin square has each video once in each position. A Williams square (E. J. Williams, Aust. J. Sci. Res. A 2, 149-168,
+1949) also has each video once immediately after each other video, so that carry-over effects average out. For an odd
+number of videos the construction needs two squares, the second with reversed rows (for 3, 5 and 7 videos no single
+square exists).
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +22,12 @@ Order = tuple[str, ...]
 
 @dataclass(frozen=True, eq=False)
 class Balance:
-    """How often what was shown where.
+    """Counts of positions and of neighbors in some orders.
 
     Attributes:
         videos: in the order of the tables.
-        places: (videos, places), how often each video stood in each place.
-        pairs: (videos, videos), how often the column's video came right after the row's.
+        places: (videos, positions), how often each video had each position.
+        pairs: (videos, videos), how often the video of the column came immediately after that of the row.
     """
 
     videos: Order
@@ -41,7 +41,7 @@ class Balance:
 
     @property
     def pairs_range(self) -> tuple[int, int]:
-        """The least and the largest count in `pairs`, a video after itself left out."""
+        """The least and the largest count in `pairs` without its diagonal."""
         return _range(self.pairs[~np.eye(len(self.videos), dtype=bool)])
 
     @property
@@ -52,15 +52,28 @@ class Balance:
 
     @property
     def pairs_spread(self) -> int:
-        """The largest difference of two counts in `pairs`, a video after itself left out."""
+        """The largest difference of two counts in `pairs` without its diagonal."""
         least, most = self.pairs_range
         return most - least
 
+    def facts(self) -> dict[str, Any]:
+        """Return everything in plain types."""
+        (places_least, places_most), (pairs_least, pairs_most) = self.places_range, self.pairs_range
+        return {
+            "videos": list(self.videos),
+            "places": self.places.tolist(),
+            "neighbours": self.pairs.tolist(),
+            "places_least": places_least,
+            "places_most": places_most,
+            "neighbours_least": pairs_least,
+            "neighbours_most": pairs_most,
+        }
+
 
 def presentation_orders(scheme: Scheme, videos: Sequence[str], participants: int, seed: int) -> list[Order]:
-    """Return the order of the videos for each participant; more participants begin with the orders of fewer.
+    """Return the order of the videos for each participant; the orders of fewer participants are their beginning.
 
-    Each square has its rows shuffled and its videos named anew, so that an order does not tell the next one.
+    Rows are shuffled and videos reassigned in each square, so that one order does not predict the next.
     """
     orders: list[Order] = []
     square = 0
@@ -73,15 +86,15 @@ def presentation_orders(scheme: Scheme, videos: Sequence[str], participants: int
 
 
 def square_size(scheme: Scheme, videos: int) -> int:
-    """Return how many participants make the orders' counts equal; 1 for random orders, which promise nothing."""
+    """Return the number of participants after which all counts are equal; 1 for random orders, which are not."""
     return sum(map(len, _halves(scheme, videos)))
 
 
 def largest_spread(scheme: Scheme, videos: int, participants: int) -> tuple[int | None, int | None]:
-    """Return by how much counts of places and of ordered pairs may differ; None where the scheme does not say.
+    """Return the largest difference of counts of positions and of ordered pairs; None where the scheme has no limit.
 
-    After a part of a square they differ by one. In the first half of a pair of squares some ordered pairs occur twice,
-    and the others not yet: there it is two, and cannot be less, since for 3, 5 and 7 videos no single square has all.
+    Within a square it is one. Within the first of two squares some pairs occur twice and others not yet: there it is
+    two.
     """
     if scheme == "random":
         return None, None
@@ -91,9 +104,9 @@ def largest_spread(scheme: Scheme, videos: int, participants: int) -> tuple[int 
 
 
 def balance_of(orders: Sequence[Sequence[str]], videos: Sequence[str], places: int = 0) -> Balance:
-    """Return the balance of orders, of which some may be shorter than others: an empty text is a video not shown.
+    """Return the balance of orders, possibly of different lengths; an empty text is a video that was not shown.
 
-    The table of places has as many columns as the longest order has places, and `places` at least.
+    The table of positions has as many columns as the longest order has positions, and at least `places`.
     """
     number = {video: i for i, video in enumerate(videos)}
     longest = max([places, *map(len, orders)])
@@ -110,10 +123,10 @@ def balance_of(orders: Sequence[Sequence[str]], videos: Sequence[str], places: i
 
 
 def williams_square(n: int) -> list[list[int]]:
-    """Return the rows of a Williams square of n videos: n of them, or 2 n where n is odd.
+    """Return the rows of a Williams square of n videos: n of them, or 2 n for odd n.
 
-    Row i is the zigzag 0, 1, n-1, 2, n-2, ... shifted by i: neighbours differ by +1, -2, +3, ..., which for an even n
-    are all the differences there are.
+    Row i is the zigzag 0, 1, n-1, 2, n-2, ... shifted by i: neighbors differ by +1, -2, +3, ..., which for an even n
+    are all possible differences.
     """
     zigzag = [(place + 1) // 2 if place % 2 else (n - place // 2) % n for place in range(n)]
     rows = [[(step + i) % n for step in zigzag] for i in range(n)]
@@ -125,7 +138,7 @@ def _range(counts: NDArray[np.int64]) -> tuple[int, int]:
 
 
 def _halves(scheme: Scheme, n: int) -> list[list[list[int]]]:
-    """Return a square in the parts that are used up one after the other, each with every video once in every place."""
+    """Return a square in parts that are used one after the other, each with every video once in every position."""
     if scheme == "random":
         return [[list(range(n))]]
     if scheme == "latin":

@@ -1,4 +1,4 @@
-"""Blinding: which code stands for which video, how its run differs from the public scene's, and its making."""
+"""Blinding: random codes for videos, random differences from the public runs, and rendering."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -21,20 +21,20 @@ from emovid.swarm.simulate import check_start, simulate
 from emovid.swarm.trajectory import Trajectory
 from emovid.video.render import render_video
 
-_ATTEMPTS = 50  # seeds tried for a random start that finds room
+_ATTEMPTS = 50  # seeds to try for a random start with enough room
 
 
 @dataclass(frozen=True)
 class Stimulus:
-    """A video under its code.
+    """A video with its code.
 
     Attributes:
-        code: all that is public.
-        exemplar: what it shows.
-        seed: of its run; None where nothing is drawn.
-        mirror: whether left and right are exchanged.
+        code: its public name.
+        exemplar: its content.
+        seed: random seed of its run; None for a run without random start.
+        mirror: whether it is a mirror image.
         half_turn: whether it is upside down.
-        turn: of its contour about the centre [rad].
+        turn: rotation of its contour about the center [rad].
     """
 
     code: str
@@ -45,7 +45,7 @@ class Stimulus:
     turn: float = 0.0
 
     def facts(self) -> dict[str, Any]:
-        """Return what the private list of stimuli says."""
+        """Return its row of the private stimuli.csv."""
         item = self.exemplar
         facts = {"video_code": self.code, "true_emotion": item.emotion, "source": item.source, "exemplar": item.number}
         facts |= {"seed": self.seed, "mirror": self.mirror, "half_turn": self.half_turn, "turn": self.turn}
@@ -53,10 +53,10 @@ class Stimulus:
 
 
 def blinded(loaded: LoadedStudy, seed: int) -> list[Stimulus]:
-    """Return the stimuli of a study in the order of their codes, in which they are made and listed everywhere.
+    """Return the stimuli of a study in the order of their codes, which is also the order of making and listing them.
 
     Raises:
-        SourceError: if a random start finds no room, whatever its seed.
+        SourceError: if the robots do not fit, with any of 50 seeds.
     """
     codes = video_codes(seed, len(loaded.exemplars))
     pairs = zip(codes, loaded.exemplars, strict=True)
@@ -64,21 +64,17 @@ def blinded(loaded: LoadedStudy, seed: int) -> list[Stimulus]:
 
 
 def make(stimulus: Stimulus, look: Look, target: Path, seed: int, on_frame: Callable[[int], None]) -> None:
-    """Write the video of a stimulus.
-
-    Raises:
-        RenderError: if it cannot be made.
-    """
+    """Write the video of a stimulus. Raises RenderError if that fails."""
     item = stimulus.exemplar
     if item.scene is None:
-        assert item.video is not None  # a stimulus is a scene or a video
+        assert item.video is not None  # an exemplar has a scene or a video
         reencode(item.video, target, look, seed)
     else:
         render_video(run_of(stimulus, seed), target, on_frame)
 
 
 def run_of(stimulus: Stimulus, seed: int) -> Trajectory:
-    """Return the run that a stimulus shows."""
+    """Return the run of a stimulus."""
     scene = stimulus.exemplar.scene
     assert scene is not None
     run = simulate(tinted(_reseeded(scene, stimulus.seed), seed))
@@ -90,9 +86,9 @@ def run_of(stimulus: Stimulus, seed: int) -> Trajectory:
 
 
 def tinted(scene: Scene, seed: int) -> Scene:
-    """Return the scene with every colour's channels one level up, one down, or as they were.
+    """Return the scene with each color channel changed by -1, 0 or 1 of 255 levels.
 
-    It is the same for all videos of a kit, nobody sees it, and it makes their bytes those of no other kit.
+    The change is invisible, the same for all videos of a kit, and makes their bytes differ from those of other kits.
     """
     colours = {
         name: _tint(value, seed, name) if isinstance(value, str) else tuple(_tints(value, seed, name))
@@ -113,7 +109,7 @@ def _tint(colour: str, seed: int, *name: object) -> str:
 
 
 def _varied(code: str, item: Exemplar, vary: Vary, seed: int) -> Stimulus:
-    """Return the stimulus of an exemplar; of two that follow each other, one is the other's mirror image in kind."""
+    """Return the stimulus of an exemplar; every other exemplar of a scene is mirrored."""
     scene = item.scene
     if scene is None:
         return Stimulus(code, item)
@@ -129,23 +125,20 @@ def _varied(code: str, item: Exemplar, vary: Vary, seed: int) -> Stimulus:
 
 
 def _turn(scene: Scene, code: str, seed: int) -> float:
-    """Return an angle [rad] that puts every robot well between two places where robots of the public scene are.
-
-    It is 0 for a run that cannot be turned.
-    """
+    """Return a rotation [rad] that puts each robot well between two robots of the public run; 0 if not possible."""
     if not _turns(scene):
         return 0.0
     places = draw(seed, "place", code) % scene.robots
     return 2 * pi * (places + 0.25 + share(seed, "turn", code) / 2) / scene.robots
 
 
-@cache  # exemplars of a scene share it
+@cache  # exemplars of a scene share the result
 def _turns(scene: Scene) -> bool:
-    return can_turn(simulate(scene))  # no seed matters to a run that can be turned
+    return can_turn(simulate(scene))  # a run that can be rotated has no random start
 
 
 def _run_seed(scene: Scene, code: str, seed: int, attempt: int = 0) -> int:
-    """Return a seed for the run with which its random start finds room."""
+    """Return a random seed with which the robots fit."""
     found = draw(seed, "run", code, attempt) % 2**63
     try:
         check_start(_reseeded(scene, found))

@@ -3,7 +3,7 @@
 from flask import Flask, Response, current_app, g, render_template, request
 from werkzeug.exceptions import Forbidden, HTTPException
 
-from emovid.kit.read import Kit
+from emovid.kit.folder import Kit
 from emovid.survey import codes, session
 from emovid.survey.access import access
 from emovid.survey.pages import pages

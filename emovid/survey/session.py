@@ -5,8 +5,8 @@ from datetime import timedelta
 
 from flask import Response, current_app, g, request
 
+from emovid.kit.folder import Kit
 from emovid.kit.manifest import Manifest
-from emovid.kit.read import Kit
 from emovid.survey import codes
 from emovid.survey.records import Participant
 from emovid.survey.rules import Progress

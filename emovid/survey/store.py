@@ -7,8 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from emovid.errors import InputError
-from emovid.kit.folders import KitFolder
-from emovid.kit.read import Kit, open_public
+from emovid.kit.folder import Kit, KitFolder, open_public
 from emovid.survey.database import Database
 from emovid.survey.records import (
     Order,

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from emovid.cli.main import main
+from emovid.kit.folder import open_kit
 from emovid.kit.load import load_study
-from emovid.kit.read import open_kit
 from tests.helpers.terminal import on_a_terminal
 
 ROOT = Path(__file__).parents[2]
@@ -44,7 +44,7 @@ def kit(built, tmp_path) -> Path:
 
 def test_a_new_study_is_the_sample_and_says_what_comes_next(capsys) -> None:
     assert main(["study", "new", "deep/my-study"]) == 0
-    next_step = "make it yours, then emovid study build deep/my-study -o kit/"
+    next_step = "edit it, then run emovid study build deep/my-study -o kit/"
     assert capsys.readouterr() == ("", f"deep/my-study/study.yaml: the paper's study; {next_step}\n")
     assert Path("deep/my-study/study.yaml").read_text() == EXAMPLE
     assert main(["study", "new", "deep", "-q"]) == 0  # a folder that is there, without a study
@@ -60,7 +60,7 @@ def test_a_new_study_takes_no_other_s_place(capsys) -> None:
     Path("notes").write_text("mine")
     for taken in ("notes", "my.yaml"):
         assert main(["study", "new", taken]) == 2
-        assert capsys.readouterr().err == f"{taken}: expected a folder, to write study.yaml into\n"
+        assert capsys.readouterr().err == f"{taken}: expected a folder for study.yaml\n"
     assert Path("notes").read_text() == "mine"
 
 
@@ -72,7 +72,7 @@ def test_build_says_what_it_makes_and_warns_of_a_seed_that_can_be_guessed(capsys
     assert [line.split()[-1] for line in lines[:6]] == 6 * ["made"]
     assert lines[5].startswith("[6/6] one/public/videos/")
     assert lines[6] == "one: 6 videos, orders for 45 participants"
-    assert lines[8] == "this seed can be guessed, and the key with it: for a real study leave --seed out"
+    assert lines[8] == "warning: this seed, and with it the key, can be guessed; omit --seed for a real study"
     assert main(["study", "build", "study.yaml", "-o", "one"]) == 0
     assert capsys.readouterr().err.count("up to date") == 6
     assert main(["study", "build", "study.yaml", "-o", "two"]) == 0
@@ -83,15 +83,15 @@ def test_the_audit_of_a_fresh_kit_prints_its_tables_and_is_content(kit, capsys) 
     assert main(["study", "audit", str(kit)]) == 0
     out = capsys.readouterr().out
     assert out.count("none") == 13
-    assert "Orders: each video 2 to 2 times in each place, 2 to 2 times right after each other one" in out
-    assert "the bit rate inside follows the motion" in out
+    assert "Orders: each video 2 to 2 times in each position, 2 to 2 times immediately after each other video" in out
+    assert "The bit rate inside follows the motion" in out
 
 
 def test_a_finding_is_a_line_and_exit_code_1(kit, capsys) -> None:
     (kit / "public" / "anger.txt").write_text("a note")
     assert main(["study", "audit", str(kit)]) == 1
     out, err = capsys.readouterr()
-    assert "files: public/anger.txt: not of the kit\n" in out
+    assert "files: public/anger.txt: not part of the kit\n" in out
     assert "names: public/anger.txt: names an emotion\n" in out
     assert err == ""
     assert main(["study", "audit", str(kit), "--json"]) == 1
@@ -144,13 +144,14 @@ def test_every_tool_gets_its_files(kit, capsys) -> None:
     ("arguments", "message"),
     [
         (["build", "nowhere"], "nowhere: cannot be read: no such file or directory"),
-        (["build", ".", "--seed", "8"], "kit: is a kit of another seed; expected that one, another folder, or --force"),
+        (["build", ".", "--seed", "8"], "kit: contains a kit with another seed; expected that seed, another folder, or "
+         "--force"),
         (["audit", "nowhere"], "nowhere: no such folder; expected a kit"),
         (["audit", "kit", "--responses", "none.csv"], "none.csv: cannot be read: no such file or directory"),
         (["export", "kit", "--to", "jspych"], "--to jspych: expected one of jspsych, psychopy, qualtrics, limesurvey, "
          "psych-ds, prereg, checklist (did you mean jspsych?)"),
         (["export", "kit", "--to", "jspsych", "-o", "study.yaml"], "-o study.yaml: is a file; expected a folder"),
-        (["export", "kit", "--to", "prereg", "--responses", "a.csv"], "--responses: no answers go into prereg; "
+        (["export", "kit", "--to", "prereg", "--responses", "a.csv"], "--responses: prereg contains no answers; "
          "expected --to psych-ds"),
     ],
 )  # fmt: skip

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from emovid.kit.folders import set_times
+from emovid.kit.folder import set_times
 from tests.helpers.tiny import make_kit
 
 

@@ -14,10 +14,9 @@ from emovid.errors import InputError
 from emovid.kit.audit import audit
 from emovid.kit.build import build
 from emovid.kit.export import export
-from emovid.kit.folders import set_times
+from emovid.kit.folder import open_kit, set_times
 from emovid.kit.load import load_study
 from emovid.kit.mp4 import boxes
-from emovid.kit.read import open_kit
 from emovid.scene.load import Setting, load_scene, scene_digest
 from emovid.swarm.simulate import simulate
 from emovid.video.render import render_video
@@ -110,7 +109,7 @@ def test_a_copy_without_its_times_is_told_its_remedies_and_they_help(fresh, tmp_
     assert audit(tmp_path / "a").findings == ()
     found = Found(tmp_path / "r")
     assert found == {"times"}
-    assert "copy a kit with cp -a, or build it again with its seed" in found.text
+    assert "copy the kit with cp -a, or build it again with its seed" in found.text
     build(load_study(fresh.parent / "study"), tmp_path / "r", 12, SEED, Silent())
     assert audit(tmp_path / "r").findings == ()
 
@@ -134,7 +133,7 @@ def test_a_link_into_the_private_folder(kit) -> None:
 
 def test_a_private_folder_that_others_can_read(kit) -> None:
     (kit / "private" / "key.csv").chmod(0o644)
-    assert Found(kit) == {"rights"}
+    assert Found(kit) == {"permissions"}
     (kit / "private").chmod(0o755)
     assert len(audit(kit).findings) == 2
 
@@ -242,8 +241,8 @@ def test_a_name_of_the_track_and_a_box_of_another_program(kit) -> None:
     replace_video(kit, video, data)
     found = Found(kit)
     assert "metadata" in found
-    assert f"metadata: videos/{video.name}: a name of the track\n" in found.text
-    assert f"metadata: videos/{video.name}: a box 'gmhd'\n" in found.text
+    assert f"metadata: videos/{video.name}: name of a track\n" in found.text
+    assert f"metadata: videos/{video.name}: unexpected box 'gmhd'\n" in found.text
 
 
 def test_a_date_in_a_video(kit) -> None:
@@ -254,7 +253,7 @@ def test_a_date_in_a_video(kit) -> None:
     replace_video(kit, video, bytes(data))
     found = Found(kit)
     assert found == {"metadata"}
-    assert "a time in mvhd" in found.text
+    assert "time stamp in mvhd" in found.text
 
 
 def test_words_in_the_room_that_makes_videos_equally_long(kit) -> None:
@@ -342,7 +341,7 @@ def test_a_study_that_lets_nothing_vary_shows_the_public_scenes(tmp_path) -> Non
 def test_a_key_that_is_not_the_one_committed_to(kit) -> None:
     key = kit / "private" / "key.csv"
     key.write_text(key.read_text().replace("fear", "x").replace("anger", "fear").replace("x", "anger"))
-    assert "not the key that the manifest commits to" in Found(kit).text
+    assert "not the key to which the manifest commits" in Found(kit).text
 
 
 def test_a_published_key_is_checked_without_the_private_folder(kit, tmp_path) -> None:
@@ -359,7 +358,7 @@ def test_a_published_key_is_checked_without_the_private_folder(kit, tmp_path) ->
 
 def test_a_key_without_its_salt(kit) -> None:
     (kit / "private" / "salt.txt").unlink()
-    assert "salt.txt: missing: without it nobody can check the key's commitment" in Found(kit).text
+    assert "salt.txt: missing: nobody can check the commitment to the key without it" in Found(kit).text
 
 
 def test_a_kit_without_its_orders(kit) -> None:
@@ -372,12 +371,12 @@ def test_a_kit_without_its_orders(kit) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda lines: lines[:-1], "P012 sees 5 videos in 5 places, not 6"),
-        (lambda lines: lines[:-6], "11 participants; the manifest says 12"),
-        (lambda lines: [*lines[:-1], lines[-1][:7] + "zzzzzz"], "P012 sees zzzzzz, which is no video of the kit"),
+        (lambda lines: lines[:-1], "P012 sees 5 videos in 5 positions, not 6"),
+        (lambda lines: lines[:-6], "11 participants; the manifest has 12"),
+        (lambda lines: [*lines[:-1], lines[-1][:7] + "zzzzzz"], "P012 sees zzzzzz, which is not in the kit"),
         (lambda lines: lines[:7] * 1 + [f"P{i:03}{row[4:]}" for i in range(2, 13) for row in lines[1:7]],
-         "counts of places differ by 12; williams orders by 0 at most"),
-        (lambda lines: [*lines, "P012,7" + lines[-1][6:]], "P012 sees 6 videos in 7 places, not 6"),
+         "counts of positions differ by 12; expected at most 0 for williams"),
+        (lambda lines: [*lines, "P012,7" + lines[-1][6:]], "P012 sees 6 videos in 7 positions, not 6"),
     ],
     ids=["a video missing", "a participant missing", "an unknown code", "one order for all", "a video twice"],
 )  # fmt: skip
@@ -394,7 +393,7 @@ def test_orders_that_lost_only_their_balance_of_neighbours(kit) -> None:
     cyclic = [codes[i:] + codes[:i] for i in range(6)] * 2
     rows = [f"P{p:03},{i},{code}" for p, order in enumerate(cyclic, 1) for i, code in enumerate(order, 1)]
     (kit / "orders.csv").write_text("\n".join(["participant,position,video_code", *rows, ""]))
-    assert Found(kit).text == "orders: orders.csv: counts of neighbours differ by 10; williams orders by 0 at most"
+    assert Found(kit).text == "orders: orders.csv: counts of neighbors differ by 10; expected at most 0 for williams"
 
 
 def test_the_balance_that_dropouts_left(kit, tmp_path) -> None:
@@ -406,23 +405,23 @@ def test_the_balance_that_dropouts_left(kit, tmp_path) -> None:
         answers.append(f"{participant},{code},{position},fear")
     (tmp_path / "responses.csv").write_text("\n".join(answers) + "\n")
     left = audit(kit, responses=[tmp_path / "responses.csv"]).left
-    assert (left["participants"], left["complete"], left["answers"]) == (10, 9, 58)
-    assert sum(map(sum, left["places"])) == 58
-    assert left["places_most"] == 2
+    assert (left.participants, left.complete, left.answers) == (10, 9, 58)
+    assert left.balance.places.sum() == 58
+    assert left.balance.places_range[1] == 2
 
 
 def test_the_balance_of_answers_without_places_is_that_of_the_orders_where_these_say_who(kit, tmp_path) -> None:
     code = open_kit(kit).orders["P001"][2]
     (tmp_path / "responses.csv").write_text(f"participant,video,response\nP001,{code},fear\nsomebody,{code},fear\n")
     left = audit(kit, responses=[tmp_path / "responses.csv"]).left
-    assert (left["participants"], left["complete"], left["answers_without_position"]) == (2, 0, 1)
-    assert left["places"][left["videos"].index(code)] == [0, 0, 1, 0, 0, 0]
+    assert (left.participants, left.complete, left.answers_without_position) == (2, 0, 1)
+    assert left.balance.places[left.balance.videos.index(code)].tolist() == [0, 0, 1, 0, 0, 0]
     (kit / "private").rename(tmp_path / "elsewhere")
     with pytest.raises(
         InputError, match=r"private/key\.csv: no such file; expected the key, to read the responses with"
     ):
         audit(kit, responses=[tmp_path / "responses.csv"])
-    assert audit(kit, tmp_path / "elsewhere" / "key.csv", [tmp_path / "responses.csv"]).left == left
+    assert audit(kit, tmp_path / "elsewhere" / "key.csv", [tmp_path / "responses.csv"]).left.facts() == left.facts()
 
 
 # --- what is reported, and what is no kit ----------------------------------------------------------------------------
@@ -430,12 +429,12 @@ def test_the_balance_of_answers_without_places_is_that_of_the_orders_where_these
 
 def test_sizes_are_reported_by_what_is_needed(fresh) -> None:
     rows = audit(fresh).sizes
-    assert len({row["bytes"] for row in rows}) == 1
-    needed = [row["content_bytes"] for row in rows]
+    assert len({row.bytes for row in rows}) == 1
+    needed = [row.content_bytes for row in rows]
     assert needed == sorted(needed)
-    assert needed[-1] == rows[0]["bytes"] - 8
-    assert {row["emotion"] for row in rows} == set(LABELS)
-    assert rows[0]["kbit_per_s"] == pytest.approx(needed[0] * 8 / 1000, abs=0.1)
+    assert needed[-1] == rows[0].bytes - 8
+    assert {row.emotion for row in rows} == set(LABELS)
+    assert rows[0].kbit_per_s == pytest.approx(needed[0] * 8 / 1000, abs=0.1)
 
 
 @pytest.mark.parametrize(

@@ -309,9 +309,9 @@ def test_an_interrupted_build_leaves_no_part_and_is_taken_up_again(fresh, tmp_pa
 
 
 def test_a_kit_of_another_seed_or_study_is_not_touched(kit, fresh, tmp_path) -> None:
-    with pytest.raises(InputError, match="is a kit of another seed; expected that one, another folder, or --force"):
+    with pytest.raises(InputError, match="contains a kit with another seed; expected that seed, another folder,"):
         make_kit(tmp_path, seed=1)
-    with pytest.raises(InputError, match="is a kit of another study, or of an earlier version of it"):
+    with pytest.raises(InputError, match="contains a kit of another study or of an earlier version"):
         make_kit(tmp_path, STUDY.replace("Thank you.", "Thanks."), seed=None)
     assert files(kit) == files(fresh)
 
@@ -336,7 +336,7 @@ def test_a_folder_that_cannot_be_made_private_gets_no_key(tmp_path, monkeypatch)
 def test_a_kit_that_somebody_has_answered_keeps_its_key_even_against_force(kit, fresh, tmp_path, how) -> None:
     (kit / "answers").mkdir()
     (kit / "answers" / "answers.sqlite").write_bytes(b"")
-    with pytest.raises(InputError, match=r"kit/answers: answers to the kit that is there; expected another folder"):
+    with pytest.raises(InputError, match=r"kit/answers: contains answers to the existing kit; move them away"):
         make_kit(tmp_path, **{"seed": None, "force": True, **how})
     assert files(kit) == files(fresh) | {"answers/answers.sqlite": hashlib.sha256(b"").hexdigest()}
     (kit / "public" / "videos" / f"{codes_in(kit)[0]}.mp4").write_bytes(b"")
@@ -348,7 +348,7 @@ def test_a_kit_that_somebody_has_answered_keeps_its_key_even_against_force(kit, 
 def test_a_folder_with_something_else_is_refused(tmp_path, force) -> None:
     (tmp_path / "kit").mkdir()
     (tmp_path / "kit" / "thesis.tex").write_text("all my work")
-    with pytest.raises(InputError, match="is not empty and no kit in the making; expected a new folder, or a kit"):
+    with pytest.raises(InputError, match="is not empty and contains no kit; expected a new folder, or a kit"):
         make_kit(tmp_path, force=force)
     (tmp_path / "kit" / "thesis.tex").unlink()
     (tmp_path / "kit").rmdir()

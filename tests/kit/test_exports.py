@@ -13,8 +13,8 @@ import pytest
 from emovid.errors import InputError
 from emovid.kit.audit import audit
 from emovid.kit.export import TOOLS, export
-from emovid.kit.exports.facts import OPEN
-from emovid.kit.read import Kit, open_kit
+from emovid.kit.exports.reporting import OPEN
+from emovid.kit.folder import Kit, open_kit
 from emovid.responses.read import read_responses
 from emovid.statistics.analyze import analyze
 from emovid.statistics.power import plan
@@ -354,7 +354,7 @@ def test_exports_need_the_orders_and_the_study(kit) -> None:
         with pytest.raises(InputError, match=f"{name}: no such file; expected the kit's private folder"):
             export(open_kit(kit), "prereg")
     (kit / "orders.csv").write_text("participant,position,video_code\n")
-    with pytest.raises(InputError, match=r"orders\.csv: a header alone; expected the orders of the kit"):
+    with pytest.raises(InputError, match=r"orders\.csv: only a header; expected the orders of the kit"):
         export(open_kit(kit), "jspsych")
     (kit / "orders.csv").unlink()
     with pytest.raises(InputError, match=r"orders\.csv: no such file; expected the orders of the kit"):

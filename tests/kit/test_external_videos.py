@@ -48,7 +48,7 @@ def test_a_video_is_taken_whatever_its_name_and_its_title(video) -> None:
     ("before", "options", "message"),
     [
         (("-display_rotation", "90"), ("-c", "copy"), "has 90x160, 10 fps, 10 frames; expected 160x90, 10 fps"),
-        ((), ("-vf", "setsar=4/3"), "has pixels of 4:3; expected square ones"),
+        ((), ("-vf", "setsar=4/3"), "has pixels of 4:3; expected square pixels"),
         ((), ("-r", "5"), r"has 160x90, 5 fps, \d frames; expected 160x90, 10 fps, 10 frames"),
         ((), ("-frames:v", "9"), "has 160x90, 10 fps, 9 frames; expected"),
     ],

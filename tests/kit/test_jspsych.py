@@ -15,7 +15,7 @@ from emovid.cli.main import main
 from emovid.kit.audit import audit
 from emovid.kit.export import export
 from emovid.kit.exports.jspsych import RELEASE
-from emovid.kit.read import Kit, open_kit
+from emovid.kit.folder import Kit, open_kit
 from tests.helpers.tiny import LABELS, STUDY, make_kit
 
 CONFIDENCE = "ratings: {confidence: {question: How sure are you, low: not at all, high: completely, steps: 7}}\n"

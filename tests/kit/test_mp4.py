@@ -3,7 +3,7 @@ import struct
 import pytest
 
 from emovid.errors import RenderError
-from emovid.kit.mp4 import boxes, content_size, pad_alike
+from emovid.kit.mp4 import boxes, content_size, pad_to_equal_size
 
 
 def box(kind: bytes, body: bytes = b"") -> bytes:
@@ -41,11 +41,11 @@ def test_files_are_made_equally_long_and_stay_so(tmp_path) -> None:
     short, long = tmp_path / "short.mp4", tmp_path / "long.mp4"
     short.write_bytes(box(b"mdat"))
     long.write_bytes(box(b"mdat", bytes(100)) + box(b"free", bytes(999)))
-    pad_alike([short, long])
+    pad_to_equal_size([short, long])
     assert short.read_bytes() == box(b"mdat") + box(b"free", bytes(100))
     assert long.read_bytes() == box(b"mdat", bytes(100)) + box(b"free")
-    pad_alike([short, long])
+    pad_to_equal_size([short, long])
     assert long.read_bytes() == box(b"mdat", bytes(100)) + box(b"free")
     long.write_bytes(b"none")
-    with pytest.raises(RenderError, match=r"long\.mp4: no MP4 file: no box at byte 0"):
-        pad_alike([short, long])
+    with pytest.raises(RenderError, match=r"long\.mp4: not an MP4 file: no box at byte 0"):
+        pad_to_equal_size([short, long])

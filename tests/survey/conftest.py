@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from flask import Flask
 
-from emovid.kit.read import Kit, open_public
+from emovid.kit.folder import Kit, open_public
 from emovid.survey.app import create_app
 from emovid.survey.session import Survey
 from emovid.survey.store import Store

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from emovid.kit.read import open_public
+from emovid.kit.folder import open_public
 from emovid.survey import codes
 from emovid.survey.app import MAX_BYTES, create_app
 from emovid.survey.export import responses_csv

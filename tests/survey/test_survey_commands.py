@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from emovid.cli.main import main
-from emovid.kit.read import open_kit
+from emovid.kit.folder import open_kit
 from emovid.responses.read import read_responses
 from emovid.survey.app import create_app
 from emovid.survey.codes import digest, readable

@@ -4,7 +4,7 @@ import csv
 
 import pytest
 
-from emovid.kit.read import open_public
+from emovid.kit.folder import open_public
 from emovid.survey.app import create_app
 from emovid.survey.export import responses_csv
 from emovid.survey.store import Store

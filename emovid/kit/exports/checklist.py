@@ -3,9 +3,9 @@
 The wording is ours: it says what a reader asks for, and answers what the kit knows.
 """
 
-from emovid.kit.exports.export import Files
-from emovid.kit.exports.facts import OPEN, Facts, facts_of
-from emovid.kit.read import Kit
+from emovid.kit.exports.reporting import OPEN, Facts, facts_of
+from emovid.kit.exports.texts import Files
+from emovid.kit.folder import Kit
 
 _DONE, _LEFT = "[x]", "[ ]"
 

@@ -1,36 +1,24 @@
-"""A survey for LimeSurvey: its tab-separated structure file, one row for each setting, group, question and answer."""
+"""A survey for LimeSurvey as a tab-separated structure file: one row per setting, group, question and answer."""
 
 import csv
 import io
 
-from emovid.kit.exports.export import Files, paragraphs, thanks, video_tag
-from emovid.kit.read import Kit
+from emovid.kit.exports.texts import Files, paragraphs, template, thanks, video_tag
+from emovid.kit.folder import Kit
 from emovid.kit.study import Question
 from emovid.responses.labels import NONE
 
-# Of the structure file: https://www.limesurvey.org/manual/Tab_Separated_Value_survey_structure
+# Columns of the structure file: https://www.limesurvey.org/manual/Tab_Separated_Value_survey_structure
 _COLUMNS = (
     "id", "related_id", "class", "type/scale", "name", "relevance", "text", "help", "language", "validation",
     "mandatory", "encrypted", "other", "default", "same_default", "random_group", "slider_min", "slider_max",
     "slider_accuracy", "slider_layout", "slider_separator",
 )  # fmt: skip
-_README = """# {title}
-
-1. Upload the videos in `videos/` where a browser can reach them, without sign-in. Export with `--video-url` and that
-   address, so that `survey.txt` names it.
-2. In LimeSurvey: Create survey, Import, `survey.txt`. Each video is a group of its own, and the groups share the
-   randomization group "videos": LimeSurvey draws orders of its own, not those of orders.csv. Check that the format is
-   *group by group*. Who does not consent is led past all questions. That a video is watched to its end cannot be said.
-3. Export the answers as CSV, with question codes or full question text, and full answers or answer codes.
-
-       emovid study analyze export.csv --key key.csv --map map.yaml
-"""
-
 Row = dict[str, object]
 
 
 def limesurvey(kit: Kit, video_url: str) -> Files:
-    """Return the structure file, with the videos at an address, and how to use it."""
+    """Return the structure file, with the videos at an address, and a README."""
     manifest = kit.manifest
     rows: list[Row] = [
         {"class": "S", "name": "language", "text": manifest.language},
@@ -56,7 +44,7 @@ def limesurvey(kit: Kit, video_url: str) -> Files:
     return {
         "survey.txt": _table(rows, manifest.language),
         "map.yaml": manifest.map_yaml(codes),
-        "README.md": _README.format(title=manifest.title),
+        "README.md": template("limesurvey.md", title=manifest.title),
     }
 
 
@@ -81,7 +69,7 @@ def _choice(name: str, text: str, answers: dict[str, str], mandatory: bool = Tru
 
 
 def _item(item: Question) -> list[Row]:
-    name = item.name.replace("_", "")  # a name has letters and digits only
+    name = item.name.replace("_", "")  # names consist of letters and digits
     if item.choices is None:
         needed = "Y" if item.required else "N"
         return [{"class": "Q", "type/scale": "S", "name": name, "text": item.question, "mandatory": needed}]
@@ -103,5 +91,5 @@ def _video(kit: Kit, code: str, video_url: str) -> list[Row]:
 
 
 def answer_code(label: str, number: int) -> str:
-    """Return the code of an answer, of at most five marks."""
+    """Return the code of an answer, of at most five characters."""
     return "AN" if label == NONE else f"A{number}"

@@ -3,9 +3,9 @@
 from importlib.metadata import version
 
 from emovid.atomic_io import file_digest
-from emovid.kit.exports.export import Files
-from emovid.kit.exports.facts import OPEN, facts_of
-from emovid.kit.read import Kit
+from emovid.kit.exports.reporting import OPEN, facts_of
+from emovid.kit.exports.texts import Files
+from emovid.kit.folder import Kit
 
 _TEXT = """# Preregistration: {title}
 

@@ -1,28 +1,14 @@
-"""A question list for Qualtrics: its "Advanced Format TXT", Survey > Tools > Import/Export > Import survey."""
+"""A survey for Qualtrics in its "Advanced Format TXT"."""
 
 import html
 
-from emovid.kit.exports.export import Files, paragraphs, thanks, video_tag
-from emovid.kit.read import Kit
+from emovid.kit.exports.texts import Files, paragraphs, template, thanks, video_tag
+from emovid.kit.folder import Kit
 from emovid.kit.study import Question
-
-_README = """# {title}
-
-1. Upload the videos in `videos/` where a browser can reach them, without sign-in. Export with `--video-url` and that
-   address, so that `survey.txt` names it.
-2. In Qualtrics: new survey, Tools, Import/Export, Import survey, `survey.txt`. The file cannot say: that answers are
-   required (select all, Require response); the order of the videos (Survey flow: put the blocks named by codes under a
-   Randomizer that shows all {shown}; Qualtrics draws orders of its own, not those of orders.csv); that consent is
-   needed (Survey flow: a branch on it, to the end of the survey); that a video is watched to its end (a timing question
-   of {seconds:g} s before the button).
-3. Export the answers as CSV, with choice text. A video's question is named by its code.
-
-       emovid study analyze export.csv --key key.csv --map map.yaml
-"""
 
 
 def qualtrics(kit: Kit, video_url: str) -> Files:
-    """Return the question list, with the videos at an address, and how to use it."""
+    """Return the survey, with the videos at an address, and a README."""
     manifest = kit.manifest
     blocks = [
         _block("Consent", _question("consent", paragraphs(manifest.consent.text), _agreement(kit))),
@@ -31,8 +17,9 @@ def qualtrics(kit: Kit, video_url: str) -> Files:
         *(_block(code, *_video(kit, code, video_url)) for code in manifest.codes),
         _block("End", f"[[Question:DB]]\n[[ID:end]]\n{thanks(manifest)}\n"),
     ]
-    said = {"title": manifest.title, "shown": manifest.videos_shown, "seconds": manifest.videos[0].duration}
-    return {"survey.txt": "[[AdvancedFormat]]\n\n" + "\n".join(blocks), "README.md": _README.format(**said)}
+    seconds = f"{manifest.videos[0].duration:g}"
+    readme = template("qualtrics.md", title=manifest.title, shown=manifest.videos_shown, seconds=seconds)
+    return {"survey.txt": "[[AdvancedFormat]]\n\n" + "\n".join(blocks), "README.md": readme}
 
 
 def _block(name: str, *questions: str) -> str:

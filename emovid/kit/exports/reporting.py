@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from emovid.errors import InputError
+from emovid.kit.folder import Kit
 from emovid.kit.orders import square_size
-from emovid.kit.read import Kit
 from emovid.kit.study import Study
 from emovid.statistics.power import plan
 

@@ -1,20 +1,45 @@
-"""Words that tell an emotion: labels, their texts, other words for the feeling, names of scenes."""
+"""Findings of an audit, and the words that reveal an emotion."""
 
 import re
 from collections.abc import Iterable
+from typing import NamedTuple
 
-from emovid.kit.read import Kit
+from emovid.kit.folder import Kit
 from emovid.responses.labels import NONE, Labels, plain
 from emovid.scene.emotions import EMOTIONS
 
-_WHOLE_WORDS = 4  # letters below which a hint counts as a word of its own alone: "sad" is in "crusade"
+_WHOLE_WORDS = 4  # shorter words than this are searched as whole words only: "sad" is in "crusade"
+
+
+class Finding(NamedTuple):
+    """Something that could reveal an emotion, or a defect of the kit.
+
+    Attributes:
+        check: name of the check.
+        where: a file, or a part of one.
+        message: the defect, without emotions, so that the person who audits can stay blind.
+        emotions: the emotions that it reveals.
+    """
+
+    check: str
+    where: str
+    message: str
+    emotions: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return f"{self.check}: {self.where}: {self.message}"
+
+    @property
+    def unblinded(self) -> str:
+        """The finding with the emotions that it reveals."""
+        return f"{self}: {', '.join(self.emotions)}" if self.emotions else str(self)
 
 
 class Hints:
-    """Finds emotions in text.
+    """Finds emotions in text: labels, their texts, synonyms, and names of scenes.
 
     Args:
-        kit: whose labels, texts and scenes are looked for.
+        kit: the kit with labels, texts and scenes.
     """
 
     def __init__(self, kit: Kit) -> None:
@@ -24,7 +49,7 @@ class Hints:
         for stimulus in kit.study.stimuli if kit.study else ():
             name = plain((stimulus.scene or stimulus.video or "").rsplit("/", 1)[-1].rsplit(".", 1)[0])
             words.setdefault(name, stimulus.emotion or name)
-        # A number, as of 3.mp4, tells nothing: places and sizes are numbers, too.
+        # A number, as in 3.mp4, reveals nothing: positions and sizes are numbers too.
         self._words = {word: label for word, label in words.items() if label != NONE and re.search(r"[^\W\d]", word)}
         self.labels = frozenset(kit.labels)
 

@@ -4,8 +4,8 @@ import json
 import re
 
 from emovid.csv_writer import csv_text
-from emovid.kit.exports.export import Files
-from emovid.kit.read import Kit
+from emovid.kit.exports.texts import Files
+from emovid.kit.folder import Kit
 from emovid.responses.responses import Responses
 
 _KNOWN = {

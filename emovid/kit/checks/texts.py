@@ -1,79 +1,65 @@
-"""Text that participants could see: the manifest, pages, preload lists, exported surveys."""
+"""Checks of text that participants could see: the manifest, pages, preload lists, exported surveys."""
 
 import re
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-from emovid.kit.checks.finding import Finding
-from emovid.kit.checks.hints import Hints
-from emovid.kit.read import Kit
+from emovid.kit.checks.findings import Finding, Hints
+from emovid.kit.folder import Kit
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import load_scene, scene_digest
 from emovid.swarm.simulate import simulate
 
 _TEXT = (
-    ".html",
-    ".htm",
-    ".js",
-    ".mjs",
-    ".css",
-    ".json",
-    ".csv",
-    ".tsv",
-    ".txt",
-    ".md",
-    ".xml",
-    ".svg",
-    ".yaml",
-    ".vtt",
-)
-_NEAR = 200  # characters of a line that belong to a code in it
-_GROUP = 600  # characters of a group in braces, brackets or a tag, that belong to a code in it
+    ".html", ".htm", ".js", ".mjs", ".css", ".json", ".csv", ".tsv", ".txt", ".md", ".xml", ".svg", ".yaml", ".vtt",
+)  # fmt: skip
+_NEAR = 200  # characters of a line, on each side, that belong to a code in it
+_GROUP = 600  # the same of a group in braces, brackets or a tag
 
 
 def check_manifest(kit: Kit) -> Iterator[Finding]:
-    """Check that the manifest has only the keys it should have."""
+    """Check that the manifest has no unknown key."""
     for key in kit.unknown:
         yield Finding("manifest", "public/manifest.json", f"unknown key {key}")
 
 
 def check_pages(kit: Kit, hints: Hints) -> Iterator[Finding]:
-    """Check that no text says the emotion of a code, or lists the codes in an order that could tell it."""
+    """Check that no text names an emotion beside a code, or lists codes in an order that could reveal emotions."""
     codes = re.compile("|".join(map(re.escape, kit.manifest.codes)))
     for path in _texts(kit):
-        where = str(path.relative_to(kit.folder.path))
+        where = kit.folder.inside(path)
         text = path.read_text(encoding="utf-8", errors="replace")
         found = list(codes.finditer(text))
         told: dict[str, set[str]] = {}
         for match in found:
             for part in (_line(text, match), _group(text, match)):
                 named = hints.in_text(part)
-                if named and not hints.labels <= named:  # all labels together are the list of answers
+                if named and not hints.labels <= named:  # all labels together are the list of choices
                     told.setdefault(match[0], set()).update(named)
         for code, named in told.items():
             yield Finding("pages", where, f"names an emotion beside {code}", tuple(sorted(named)))
         first = list(dict.fromkeys(match[0] for match in found))
         is_order = path.suffix == ".csv" and "position" in text.partition("\n")[0].split(",")
         if first != sorted(first) and not is_order:
-            yield Finding("pages", where, "lists the videos in another order than that of their codes")
+            yield Finding("pages", where, "lists the videos in another order than their codes")
 
 
 def check_secrets(kit: Kit) -> Iterator[Finding]:
-    """Check that nothing public holds a private text, or the digest of a public scene or of its run."""
+    """Check that no public file contains the seed, the salt, or the digest of a public scene or of its run."""
     private = {name: _content(path) for name, path in (("seed", kit.folder.seed), ("salt", kit.folder.salt))}
     secrets: dict[str, tuple[str, tuple[str, ...]]] = {
-        text: (f"holds the private {name}", ()) for name, text in private.items() if len(text) >= 8
+        text: (f"contains the private {name}", ()) for name, text in private.items() if len(text) >= 8
     }
     for emotion in EMOTIONS:
         scene, run = _digests(emotion)
-        secrets[scene] = "holds the digest of a public scene", (emotion,)
-        secrets[run] = "holds the digest of the run of a public scene", (emotion,)
+        secrets[scene] = "contains the digest of a public scene", (emotion,)
+        secrets[run] = "contains the digest of the run of a public scene", (emotion,)
     for path in sorted(path for path in _shown(kit) if path.is_file()):
         data = path.read_bytes()
         for text, (message, emotions) in secrets.items():
             if text.encode() in data:
-                yield Finding("secrets", str(path.relative_to(kit.folder.path)), message, emotions)
+                yield Finding("secrets", kit.folder.inside(path), message, emotions)
 
 
 @cache
@@ -99,13 +85,13 @@ def _content(path: Path) -> str:
 
 
 def _line(text: str, match: "re.Match[str]") -> str:
-    """Return what stands near a match on its line."""
+    """Return the text near a match on its line."""
     before = text[max(match.start() - _NEAR, 0) : match.start()].rpartition("\n")[2]
     return f"{before} {text[match.end() : match.end() + _NEAR].partition(chr(10))[0]}"
 
 
 def _group(text: str, match: "re.Match[str]") -> str:
-    """Return what the innermost braces, brackets or tag around a match hold, or ""."""
+    """Return the content of the innermost braces, brackets or tag around a match, or ""."""
     before, after = text[max(match.start() - _GROUP, 0) : match.start()], text[match.end() : match.end() + _GROUP]
     found = []
     for opening, closing in ("{}", "[]", "<>"):
@@ -116,7 +102,7 @@ def _group(text: str, match: "re.Match[str]") -> str:
 
 
 def _unmatched(text: str, up: str, down: str) -> int | None:
-    """Return the place of the first `down` that no `up` before it goes with."""
+    """Return the index of the first `down` without a matching `up` before it."""
     depth = 0
     for place, mark in enumerate(text):
         depth += (mark == up) - (mark == down)
