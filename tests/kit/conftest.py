@@ -1,10 +1,11 @@
 import shutil
-from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import pytest
 
-from emovid.kit.folder import set_times
+from emovid.atomic_io import file_digest
+from emovid.kit.checks import videos
 from tests.helpers.tiny import make_kit
 
 
@@ -22,7 +23,25 @@ def kit(fresh, tmp_path) -> Path:
     return Path(shutil.copytree(fresh, tmp_path / "kit"))
 
 
-@pytest.fixture
-def touched_up() -> Callable[[Path], None]:
-    """Hide when a test changed public files, as who plants a leak on purpose would."""
-    return lambda kit: set_times(kit / "public")
+def once_per_content(function):
+    """Run a function of a video file once for each content, since audits of many kits decode the same videos."""
+    paths: dict[str, Path] = {}
+
+    @cache
+    def of_content(digest: str, like):
+        return function(paths[digest], like)
+
+    def of_path(path: Path, like):
+        paths[digest := file_digest(path)] = path
+        return of_content(digest, like)
+
+    return of_path
+
+
+@pytest.fixture(scope="session", autouse=True)
+def decode_each_video_once():
+    """Keep results of decoding for the session."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("_decoded", "_decoding_problem"):
+            patch.setattr(videos, name, once_per_content(getattr(videos, name)))
+        yield
