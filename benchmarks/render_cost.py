@@ -75,7 +75,7 @@ def shares(folder: Path) -> str:
     """Return where the processor time of rendering anger goes, each part measured alone, the median of three [s]."""
     scene = load_scene("anger")
     run = simulate(scene)
-    modules = "import emovid.cli.main, emovid.batch.make"
+    modules = "import emovid.cli.main, emovid.batch.cache"
     parts = {
         "start": lambda: cost([sys.executable, "-c", modules]).cpu,
         "simulation": lambda: seconds_here(lambda: simulate(scene)),

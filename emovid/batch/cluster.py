@@ -1,21 +1,23 @@
-"""A Dask cluster as a pool. Its workers write files themselves, so they must share the output folder."""
+"""A Dask cluster as a pool of workers, which must share the output folder."""
 
 import logging
 import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Future
 from contextlib import contextmanager
+from importlib import import_module
 from typing import Any
 
 from emovid.errors import EmovidError, InputError
 
-_PATIENCE = 10  # seconds a scheduler may take to answer
+_PATIENCE = 10  # seconds that a scheduler may take to answer
 
 
 class Cluster:
-    """Whatever workers there are, now or later: the scheduler has all items at once.
+    """All workers of a Dask scheduler, now or later: the scheduler gets all items at once.
 
-    A dead worker's items go to the others; after the scheduler's own limit (`allowed-failures`, 3) one is given up.
+    The items of a dead worker go to the others; the scheduler gives up on an item after its own limit
+    (`allowed-failures`, 3).
     """
 
     slots, attempts = sys.maxsize, 1
@@ -30,21 +32,20 @@ class Cluster:
 
 @contextmanager
 def connected(address: str) -> Iterator[Cluster]:
-    """Give the cluster of the scheduler at `address`, as in tcp://127.0.0.1:8786.
+    """Give the cluster of the scheduler at an address such as tcp://127.0.0.1:8786.
 
     Raises:
-        InputError: if distributed is not installed, or the address is none.
-        EmovidError: if no scheduler answers, or it is gone.
+        InputError: if distributed is not installed, or the address is invalid.
+        EmovidError: if no scheduler answers, or it goes away.
     """
     try:
-        import distributed  # noqa: PLC0415 - an extra: not everyone has it
+        dask: Any = import_module("distributed")
     except ImportError:
         raise InputError("--scheduler needs Dask: pip install 'emovid[dask]'") from None
-    dask: Any = distributed  # it has no types
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what goes wrong is ours to say
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # our own messages say the same in one line
     try:
         client: Any = dask.Client(address, timeout=_PATIENCE, set_as_default=False)
-    except (TypeError, ValueError) as error:  # the first where tls:// has no certificates
+    except (TypeError, ValueError) as error:  # the first for tls:// without certificates
         raise InputError(f"--scheduler {address}: {error}; expected as in tcp://127.0.0.1:8786") from None
     except OSError:
         raise EmovidError(f"--scheduler {address}: no Dask scheduler answers there") from None
@@ -53,7 +54,7 @@ def connected(address: str) -> Iterator[Cluster]:
             try:
                 yield Cluster(executor, (dask.KilledWorker,))
             except BaseException:
-                executor.shutdown(wait=False)  # else it would wait for all that was submitted
+                executor.shutdown(wait=False)  # otherwise it would wait for all submitted items
                 raise
     except CancelledError:
         raise EmovidError(f"--scheduler {address}: the scheduler is gone: run again to make what is missing") from None

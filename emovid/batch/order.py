@@ -1,13 +1,12 @@
 """The order in which a set of videos is shown: random, and the same for the same seed."""
 
-import csv
-import io
 from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
 from emovid.atomic_io import writing
+from emovid.csv_writer import csv_text
 
 NAME = "presentation_order.csv"
 
@@ -16,15 +15,11 @@ def write_presentation_order(folder: Path, videos: Mapping[str, str], seed: int)
     """Write `presentation_order.csv` (position,emotion,video), a random order of the videos.
 
     Args:
-        folder: that holds the videos.
+        folder: of the videos.
         videos: from emotion to file name.
         seed: of the order.
     """
-    emotions = list(videos)
-    text = io.StringIO()
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(("position", "emotion", "video"))
-    for position, i in enumerate(np.random.default_rng(seed).permutation(len(emotions)), start=1):
-        rows.writerow((position, emotions[i], videos[emotions[i]]))
+    order = np.random.default_rng(seed).permutation(list(videos)).tolist()
+    rows = ((position, emotion, videos[emotion]) for position, emotion in enumerate(order, start=1))
     with writing(folder / NAME) as file:
-        file.write(text.getvalue().encode())
+        file.write(csv_text(("position", "emotion", "video"), rows).encode())

@@ -1,4 +1,4 @@
-"""The items of a sweep: every scene, with every entry of its list, at every point of its grid, from every seed."""
+"""The items of a sweep: every scene, with every group of the list, at every point of the grid, from every seed."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from emovid.batch.job import Job, Kind
-from emovid.batch.sweep_file import SweepFile
+from emovid.batch.sweep_file import Sweep
 from emovid.errors import InputError, SourceError
 from emovid.scene.load import Setting, scene_digest, scene_of
 from emovid.scene.model import Scene
 from emovid.video.encoder import FORMATS
 
-PLAN = "plan.json"
 MAX_ITEMS = 100_000
 
 
@@ -23,29 +22,27 @@ class Item:
     """One point of a sweep.
 
     Attributes:
-        number: from 1, in the sweep's order.
-        name: of its result: the scene's, and twelve digits of its content, which stay when the sweep grows.
-        cells: the scene's name, and what was set, by key.
-        index: which of each axis, see `axes`.
+        number: from 1, in the order of the sweep.
+        name: of its result: the scene's name and twelve digits of its content, which stay when the sweep grows.
+        cells: the scene's name and the settings, by key.
         scene: resolved.
     """
 
     number: int
     name: str
     cells: dict[str, Any]
-    index: tuple[int, ...]
     scene: Scene
 
     def job(self, folder: Path, only: Kind) -> Job:
-        """Return the work that it is."""
+        """Return the job that makes its result."""
         return Job(self.scene, folder / self.name, only=only)
 
 
-def items(sweep: SweepFile) -> list[Item]:
+def items(sweep: Sweep) -> list[Item]:
     """Return the items of a sweep, each a valid scene and none twice.
 
     Raises:
-        SourceError: for the first that is not, with the place of the key at fault.
+        SourceError: for the first invalid one, with the place of the key at fault.
     """
     count = prod(map(len, _levels(sweep)))
     if count > MAX_ITEMS:
@@ -58,10 +55,10 @@ def items(sweep: SweepFile) -> list[Item]:
     return found
 
 
-def axes(sweep: SweepFile) -> list[tuple[str, list[str]]]:
-    """Return what a sweep varies, slowest first: the name of each axis, and its values as text."""
-    scenes, entries, *grid, seeds = _levels(sweep)
-    lists = [", ".join(f"{setting.key} {_text(setting.value)}" for setting in entry) for entry in entries]
+def axes(sweep: Sweep) -> list[tuple[str, list[str]]]:
+    """Return the name of each axis of a sweep and its values as text, the slowest axis first."""
+    scenes, groups, *grid, seeds = _levels(sweep)
+    lists = [", ".join(f"{setting.key} {_text(setting.value)}" for setting in group) for group in groups]
     return [
         ("scene", list(scenes)),
         ("", lists),
@@ -71,10 +68,10 @@ def axes(sweep: SweepFile) -> list[tuple[str, list[str]]]:
 
 
 def shard_of(given: str) -> tuple[int, int]:
-    """Return the number and the count of ``"3/40"``.
+    """Return the number and the count of a shard such as ``3/40``.
 
     Raises:
-        InputError: if it is none.
+        InputError: for anything else.
     """
     number, _, count = given.partition("/")
     if not (number.isdecimal() and count.isdecimal() and len(given) < 20 and 1 <= int(number) <= int(count)):
@@ -82,29 +79,21 @@ def shard_of(given: str) -> tuple[int, int]:
     return int(number), int(count)
 
 
-def _levels(sweep: SweepFile) -> list[tuple[Any, ...]]:
-    """Return the axes: scenes, entries of the list, each key of the grid, seeds; what is not given has one level."""
+def _levels(sweep: Sweep) -> list[tuple[Any, ...]]:
+    """Return the levels of each axis: scenes, groups of the list, keys of the grid, seeds; an unused axis has one."""
     return [tuple(sweep.scenes), sweep.list or ((),), *sweep.grid.values(), sweep.seeds or (None,)]
 
 
-def _items(sweep: SweepFile) -> Iterator[Item]:
-    levels = _levels(sweep)
-    columns = dict.fromkeys(
-        [
-            "scene",
-            *(setting.key for entry in sweep.list for setting in entry),
-            *sweep.grid,
-            *["seed"][: len(sweep.seeds)],
-        ]
-    )
-    for number, index in enumerate(product(*(range(len(level)) for level in levels)), start=1):
-        name, entry, *points = (level[i] for level, i in zip(levels, index, strict=True))
-        settings: list[Setting] = [*entry, *(setting for setting in points if setting)]
+def _items(sweep: Sweep) -> Iterator[Item]:
+    listed = [setting.key for group in sweep.list for setting in group]
+    columns = dict.fromkeys(["scene", *listed, *sweep.grid, *(["seed"] if sweep.seeds else [])])
+    for number, (name, group, *points) in enumerate(product(*_levels(sweep)), start=1):
+        settings: list[Setting] = [*group, *(setting for setting in points if setting)]
         template = sweep.scenes[name]
         scene = scene_of(template.keys, template.places, [*sweep.set, *settings], template.folder)
         cells = columns | {"scene": name} | {setting.key: setting.value for setting in settings}
         suffix = {"video": FORMATS[scene.video.format].suffix, "trajectory": ".npz", "measure": ""}[sweep.only]
-        yield Item(number, f"{name}-{scene_digest(scene)[:12]}{suffix}", cells, index, scene)
+        yield Item(number, f"{name}-{scene_digest(scene)[:12]}{suffix}", cells, scene)
 
 
 def _text(value: Any) -> str:

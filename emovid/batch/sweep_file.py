@@ -1,58 +1,141 @@
-"""sweep.yaml: which scenes, with which keys replaced by what, and from which seeds."""
+"""The sweep file, sweep.yaml: scenes, the keys to replace in them, and seeds."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import dataclass, field
+from itertools import combinations
 from pathlib import Path
-from typing import Any, NoReturn, get_args
+from typing import Annotated, Any, TypeVar
 
 import numpy as np
+from pydantic import BeforeValidator, Field, ValidationError
+from pydantic_core import PydanticCustomError
 
 from emovid.batch.job import Kind
 from emovid.errors import SourceError, nearest
+from emovid.scene.fields import Keys
 from emovid.scene.load import Setting, read_robot, scene_keys, shipped_names
 from emovid.scene.picture import read_pictures
 from emovid.scene.resources import CONFIGS, read_text
+from emovid.scene.validation_messages import source_error
 from emovid.yaml_source import KeyPath, Places, place_of, read_yaml
 
-KEYS = ("only", "scenes", "set", "list", "grid", "seeds")
-_RANGE = ("from", "to", "count", "log")
 _MAX_VALUES = 100_000
+_Model = TypeVar("_Model", bound=Keys)
+
+
+# --- keys of the file -------------------------------------------------------------------------------------------------
+
+
+def _expect(words: str, test: Callable[[Any], bool], null: Any = ...) -> BeforeValidator:
+    """Return a validator that refuses values that fail a test; `words` say what is expected, `null` replaces null."""
+
+    def check(given: Any) -> Any:
+        if given is None and null is not ...:
+            return null
+        if not test(given):
+            raise PydanticCustomError("sweep", "{words}", {"words": words})
+        return given
+
+    return BeforeValidator(check)
+
+
+def _is_group(given: Any) -> bool:
+    return isinstance(given, dict)
+
+
+def _is_list(given: Any) -> bool:
+    return isinstance(given, list)
+
+
+def _is_count(given: Any) -> bool:
+    return isinstance(given, int) and not isinstance(given, bool) and 1 <= given <= _MAX_VALUES
+
+
+_KEYS = _expect("keys of a scene and their values, as in robot.l: 0.002", _is_group)
+_NO_KEYS = _expect("keys of a scene and their values, as in robot.l: 0.002", _is_group, {})
+_LIST = _expect("a list of groups of keys, as in - {robot.l: 0.002, robot.K: 6}", _is_list, [])
+_GRID = _expect("keys of a scene, each with a list of values, as in robot.l: [0.002, 0.004]", _is_group, {})
+_VALUES = _expect(
+    "a list of values, or {from: 0.001, to: 0.01, count: 10}",
+    lambda given: given != [] and isinstance(given, list | dict),
+)
+_SEEDS = _expect("a list of seeds, or how many, from 1 on", lambda given: _is_list(given) or _is_count(given), [])
+_SCENE = _expect("an emotion or a scene file", lambda given: isinstance(given, str))
+_SCENES = _expect("a list of emotions and scene files", lambda given: given != [] and _is_list(given))
+_SCENES_BY_NAME = _expect("names of scenes and their keys", lambda given: given != {})
+
+Group = Annotated[dict[str, Any], _KEYS]
+Groups = Annotated[list[Group], _LIST]
+
+
+class SweepKeys(Keys):
+    """The keys of a sweep file, without its scenes."""
+
+    only: Kind = Field("video", description="kind of the results")
+    set: Annotated[dict[str, Any], _NO_KEYS] = Field({}, description="keys of all items")
+    list: Groups = Field([], description="groups of keys that change together")
+    grid: Annotated[dict[str, Annotated[Any, _VALUES]], _GRID] = Field({}, description="keys to cross")
+    seeds: Annotated[Any, _SEEDS] = Field([], description="seeds, or how many")
+
+
+class SweepOfFiles(SweepKeys):
+    """A sweep file that names emotions and scene files."""
+
+    scenes: Annotated[list[Annotated[str, _SCENE]], _SCENES] = Field(description="a list of emotions and scene files")
+
+
+class SweepOfScenes(SweepKeys):
+    """A sweep file that contains its scenes, as plans do."""
+
+    scenes: Annotated[dict[str, Group], _SCENES_BY_NAME] = Field(description="scenes by name")
+
+
+class Range(Keys):
+    """Evenly spaced values of a key; with `log`, their logarithms are evenly spaced."""
+
+    first: float = Field(alias="from", description="first value", ge=-1e9, le=1e9)
+    last: float = Field(alias="to", description="last value", ge=-1e9, le=1e9)
+    count: int = Field(ge=1, le=_MAX_VALUES, description="number of values")
+    log: bool = Field(False, description="whether the logarithms are evenly spaced")
+
+
+# --- sweeps -----------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class Template:
-    """A scene before its keys are replaced: plain values, their places, and the folder its pictures are found from."""
+    """A scene before keys are replaced: plain values, their places, and the folder of the files that they name."""
 
     keys: dict[str, Any]
     places: Places
     folder: Path
 
     def whole(self) -> dict[str, Any]:
-        """Return the keys with what is in the files that they name."""
+        """Return the keys, with the contents of the files that they name."""
         keys: dict[str, Any] = deepcopy(self.keys)
         read_pictures(keys, self.folder, self.places)
         robot = keys.get("robot")
         if isinstance(robot, dict) and isinstance(robot.get("model"), str):
-            named = {"robot": {"model": robot["model"]}}  # its limits may be those of another that is set
+            named = {"robot": {"model": robot["model"]}}  # without its limits, which may belong to another model
             read_robot(named, self.folder, self.places)
             robot["model"] = named["robot"]["model"].model_dump(mode="json")
         return keys
 
 
 @dataclass(frozen=True)
-class SweepFile:
-    """What a sweep.yaml says, every value with the place it stands at.
+class Sweep:
+    """A sweep; each setting knows its place in the file.
 
     Attributes:
         where: the file.
-        only: what is made of each item.
+        only: kind of the results.
         scenes: by the name that tables show.
         set: settings of all items.
-        list: settings that go together.
-        grid: the settings of each key, to be crossed.
-        seeds: likewise; none where each scene has its own.
+        list: groups of settings that change together.
+        grid: for each key, the settings to cross.
+        seeds: settings to cross; empty if each scene keeps its own seed.
     """
 
     where: str
@@ -64,15 +147,15 @@ class SweepFile:
     seeds: tuple[Setting, ...] = ()
 
     def plan(self) -> str:
-        """Return the same sweep as JSON, as good as this one to `read_sweep_file`.
+        """Return the sweep as JSON that `read_sweep` reads.
 
-        It holds the pictures and robots that its scenes name; of those that are set it gives the whole path.
+        The plan contains the pictures and robots that its scenes name, and absolute paths of those in settings.
         """
         plan = {
             "only": self.only,
             "scenes": {name: template.whole() for name, template in self.scenes.items()},
             "set": self._values(self.set),
-            "list": [self._values(entry) for entry in self.list],
+            "list": [self._values(group) for group in self.list],
             "grid": {key: [self._located(key, s.value) for s in settings] for key, settings in self.grid.items()},
             "seeds": [setting.value for setting in self.seeds],
         }
@@ -83,7 +166,7 @@ class SweepFile:
         return {setting.key: self._located(setting.key, setting.value) for setting in settings}
 
     def _located(self, key: str, value: Any) -> Any:
-        """Return a value with the whole path of each file that it names: scenes find them beside them, a plan not."""
+        """Return a value with absolute paths of the files in it, which are relative to the scenes' folders."""
         if isinstance(value, dict):
             return {inner: self._located(inner, part) for inner, part in value.items()}
         if not isinstance(value, str) or key.rpartition(".")[2] not in ("file", "model"):
@@ -92,26 +175,34 @@ class SweepFile:
         return next((str(file.resolve()) for file in files if file.is_file()), value)
 
 
+# --- reading ----------------------------------------------------------------------------------------------------------
+
+
 def find_sweep(source: Path) -> Path:
-    """Return the file that is meant: this one, or, where there is none, the shipped one of that name."""
+    """Return a sweep file: this path, or, if it does not exist, the shipped sweep of that name."""
     shipped = CONFIGS / "sweeps" / f"{source}.yaml"
     return shipped if not source.exists() and shipped.is_file() else source
 
 
-def read_sweep_file(path: Path, only: str | None = None) -> SweepFile:
-    """Return what a sweep.yaml says, or the JSON of `SweepFile.plan`.
+def read_sweep(path: Path, only: str | None = None) -> Sweep:
+    """Return the sweep of a sweep.yaml or a plan.json.
 
     Args:
         path: of the file.
-        only: what is made of each item, whatever the file says.
+        only: kind of the results, in place of the file's.
 
     Raises:
-        SourceError: for what cannot be meant, with file, line and key.
+        SourceError: for an invalid file, with line and key.
     """
-    keys, places = _read(path)
-    if only is not None and isinstance(keys, dict):
-        keys, places = keys | {"only": only}, {**places, ("only",): "--only"}
-    return _Reader(path, keys, places).sweep()
+    values, places = _read(path)
+    if not isinstance(values, dict):
+        raise SourceError(str(path), f"not a sweep: expected some of {', '.join(['scenes', *SweepKeys.model_fields])}")
+    if only is not None:
+        values, places = values | {"only": only}, {**places, ("only",): "--only"}
+    reader = _Reader(path, places)
+    if isinstance(values.get("scenes"), dict):
+        return reader.sweep(_validated(SweepOfScenes, values, places))
+    return reader.sweep(_validated(SweepOfFiles, values, places))
 
 
 def _read(path: Path) -> tuple[Any, Places]:
@@ -124,140 +215,93 @@ def _read(path: Path) -> tuple[Any, Places]:
     return read_yaml(text, str(path), "sweep")
 
 
+def _validated(model: type[_Model], values: Any, places: Places) -> _Model:
+    try:
+        return model.model_validate(values)
+    except ValidationError as error:
+        raise source_error(error, places, model) from None
+
+
 @dataclass(frozen=True)
 class _Reader:
+    """Turns the keys of a file into a sweep, with the place of each setting."""
+
     path: Path
-    keys: Any
     places: Places
 
-    def sweep(self) -> SweepFile:
-        if not isinstance(self.keys, dict):
-            raise SourceError(str(self.path), f"not a sweep: expected some of {', '.join(KEYS)}")
-        for key in self.keys:
-            if key not in KEYS:
-                self._refuse((key,), _unknown(key, KEYS))
-        only = self.keys.get("only", "video")
-        if only not in get_args(Kind):
-            self._refuse(("only",), f"{only!r}: expected one of {', '.join(get_args(Kind))}")
-        sweep = SweepFile(
+    def sweep(self, keys: SweepOfFiles | SweepOfScenes) -> Sweep:
+        seeds = range(1, keys.seeds + 1) if isinstance(keys.seeds, int) else keys.seeds
+        sweep = Sweep(
             str(self.path),
-            only,
-            self._scenes(),
-            self._settings(("set",), self.keys.get("set") or {}),
-            self._list(),
-            self._grid(),
-            self._seeds(),
+            keys.only,
+            self._scenes(keys.scenes),
+            self._settings(("set",), keys.set),
+            tuple(self._settings(("list", i), group) for i, group in enumerate(keys.list)),
+            {key: self._values(key, values) for key, values in keys.grid.items()},
+            tuple(Setting("seed", seed, self._place(("seeds", i))) for i, seed in enumerate(seeds)),
         )
-        self._refuse_twice(sweep)
+        self._refuse_double_keys(sweep)
         return sweep
 
-    def _scenes(self) -> dict[str, Template]:
-        given = self.keys.get("scenes")
-        if isinstance(given, dict) and given:
-            return {name: self._inline(name, keys) for name, keys in given.items()}
-        if not isinstance(given, list) or not given:
-            self._refuse(("scenes",), "expected a list of emotions and scene files")
+    def _scenes(self, given: list[str] | dict[str, Any]) -> dict[str, Template]:
+        if isinstance(given, dict):
+            for name in given:
+                if "/" in name:
+                    raise self._error(("scenes", name), "expected a name without /")
+            return {
+                name: Template(keys, self._inside("scenes", name), self.path.parent) for name, keys in given.items()
+            }
         scenes: dict[str, Template] = {}
         for i, source in enumerate(given):
-            path: KeyPath = ("scenes", i)
-            if not isinstance(source, str):
-                self._refuse(path, f"{source!r}: expected an emotion or a scene file")
             try:
                 keys, places, file = scene_keys(source if source in shipped_names() else self.path.parent / source)
             except SourceError as error:
-                if error.message.startswith("no such file"):  # what it suggests instead is like the whole path
-                    self._refuse(path, f"{source}: no such file or emotion{nearest(source, shipped_names())}")
+                if error.message.startswith("no such file"):  # with a hint for the given name, not for the whole path
+                    raise self._error(
+                        ("scenes", i), f"{source}: no such file or emotion{nearest(source, shipped_names())}"
+                    ) from None
                 raise
             if file.stem in scenes:
-                self._refuse(path, f"{source}: there is another scene called {file.stem}")
+                raise self._error(("scenes", i), f"{source}: there is another scene called {file.stem}")
             scenes[file.stem] = Template(keys, places, file.parent)
         return scenes
 
-    def _inline(self, name: str, keys: Any) -> Template:
-        if not isinstance(keys, dict) or "/" in name:
-            self._refuse(("scenes", name), "expected a name and the keys of a scene")
-        places = {path[2:]: place for path, place in self.places.items() if path[:2] == ("scenes", name)}
-        return Template(keys, places or self.places, self.path.parent)
-
-    def _list(self) -> tuple[tuple[Setting, ...], ...]:
-        given = self.keys.get("list") or []
-        if not isinstance(given, list):
-            self._refuse(("list",), "expected a list of groups of keys, as in - {robot.l: 0.002, robot.K: 6}")
-        return tuple(self._settings(("list", i), entry) for i, entry in enumerate(given))
-
-    def _settings(self, path: KeyPath, given: Any) -> tuple[Setting, ...]:
-        if not isinstance(given, dict):
-            self._refuse(path, "expected keys of a scene and their values, as in robot.l: 0.002")
+    def _settings(self, path: KeyPath, given: dict[str, Any]) -> tuple[Setting, ...]:
         return tuple(Setting(key, value, self._place((*path, key))) for key, value in given.items())
 
-    def _grid(self) -> dict[str, tuple[Setting, ...]]:
-        given = self.keys.get("grid") or {}
-        if not isinstance(given, dict):
-            expected = "expected keys of a scene, each with a list of values, as in robot.l: [0.002, 0.004]"
-            self._refuse(("grid",), expected)
-        return {key: self._settings_of(key, values) for key, values in given.items()}
+    def _values(self, key: str, given: Any) -> tuple[Setting, ...]:
+        """Return a setting for each value of a key of the grid."""
+        path = ("grid", key)
+        if isinstance(given, list):
+            return tuple(Setting(key, value, self._place((*path, i))) for i, value in enumerate(given))
+        try:
+            spaced = _validated(Range, given, self._inside(*path))
+        except SourceError as error:
+            raise SourceError(error.where, error.message, key=".".join((*path, error.key))) from None
+        if spaced.log and min(spaced.first, spaced.last) <= 0:
+            raise self._error(path, "log: expected from and to above 0")
+        numbers = (np.geomspace if spaced.log else np.linspace)(spaced.first, spaced.last, spaced.count)
+        values = [float(f"{number:.12g}") for number in numbers]
+        if isinstance(given["from"], int) and isinstance(given["to"], int):  # keys such as `robots` need 5, not 5.0
+            values = [int(value) if value.is_integer() else value for value in values]
+        return tuple(Setting(key, value, self._place(path)) for value in values)
 
-    def _settings_of(self, key: str, given: Any) -> tuple[Setting, ...]:
-        """Return a setting for each value that a key of the grid takes."""
-        path: KeyPath = ("grid", key)
-        if isinstance(given, dict):
-            return tuple(Setting(key, value, self._place(path)) for value in self._range(path, given))
-        if not isinstance(given, list) or not given:
-            self._refuse(path, "expected a list of values, or {from: 0.001, to: 0.01, count: 10}")
-        return tuple(Setting(key, value, self._place((*path, i))) for i, value in enumerate(given))
+    def _refuse_double_keys(self, sweep: Sweep) -> None:
+        """Refuse a key that is set in two ways: one of them would be lost."""
+        ways = {"grid": set(sweep.grid), "list": {s.key for group in sweep.list for s in group}}
+        ways |= {way: {s.key for s in settings} for way, settings in (("seeds", sweep.seeds), ("set", sweep.set))}
+        for (way, keys), (other, others) in combinations(ways.items(), 2):
+            if both := sorted(keys & others):
+                raise self._error((way, both[0]), f"given in {other} too")
 
-    def _range(self, path: KeyPath, given: dict[str, Any]) -> list[float]:
-        """Return evenly spaced numbers, or, with log, of evenly spaced logarithms; to 12 digits.
-
-        Where both ends are whole numbers, so are those between that can be, as keys like `robots` need them.
-        """
-        for key in given:
-            if key not in _RANGE:
-                self._refuse((*path, key), _unknown(key, _RANGE))
-        first, last, count, log = (given.get(key, False) for key in _RANGE)
-        if not (self._is_number(first) and self._is_number(last) and self._is_count(count)):
-            self._refuse(path, "expected numbers from and to, and a count of at least 1")
-        if not isinstance(log, bool) or (log and min(first, last) <= 0):
-            self._refuse(path, "log: expected true, with from and to above 0")
-        spaced = np.geomspace(first, last, count) if log else np.linspace(first, last, count)
-        values = [float(f"{value:.12g}") for value in spaced]
-        whole = isinstance(first, int) and isinstance(last, int)
-        return [int(value) if whole and value.is_integer() else value for value in values]
-
-    def _seeds(self) -> tuple[Setting, ...]:
-        given = self.keys.get("seeds")
-        if given is None or given == []:
-            return ()
-        if self._is_count(given):
-            given = list(range(1, given + 1))
-        if not isinstance(given, list):
-            self._refuse(("seeds",), "expected a list of seeds, or how many, from 1 on")
-        return tuple(Setting("seed", seed, self._place(("seeds", i))) for i, seed in enumerate(given))
-
-    def _refuse_twice(self, sweep: SweepFile) -> None:
-        """Refuse a key that is set in two ways, of which one would be lost."""
-        ways = {"set": sweep.set, "list": [s for entry in sweep.list for s in entry], "seeds": sweep.seeds}
-        keys = {way: {setting.key for setting in settings} for way, settings in ways.items()}
-        keys["grid"] = set(sweep.grid)
-        for way, own in keys.items():
-            for other, others in keys.items():
-                if way < other and (both := sorted(own & others)):
-                    self._refuse((way, both[0]), f"given in {other} too")
-
-    @staticmethod
-    def _is_number(value: Any) -> bool:
-        return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e9
-
-    @staticmethod
-    def _is_count(value: Any) -> bool:
-        return isinstance(value, int) and not isinstance(value, bool) and 1 <= value <= _MAX_VALUES
+    def _inside(self, *path: str | int) -> Places:
+        """Return the places of the keys inside a group."""
+        size = len(path)
+        inside = {known[size:]: place for known, place in self.places.items() if known[:size] == path}
+        return inside or {(): self._place(path)}
 
     def _place(self, path: KeyPath) -> str:
         return place_of(path, self.places)
 
-    def _refuse(self, path: KeyPath, message: str) -> NoReturn:
-        raise SourceError(self._place(path), message, key=".".join(map(str, path)))
-
-
-def _unknown(key: str, known: Sequence[str]) -> str:
-    return f"unknown key{nearest(key, known)}" if nearest(key, known) else f"unknown key; expected {', '.join(known)}"
+    def _error(self, path: KeyPath, message: str) -> SourceError:
+        return SourceError(self._place(path), message, key=".".join(map(str, path)))

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
     from rich.progress import Progress, TaskID
 
+    from emovid.batch.cache import Reporter
     from emovid.batch.job import Job, Record
-    from emovid.batch.make import Reporter
 
 _WIDEST = 40  # characters of a name beside a bar
 
@@ -110,9 +110,9 @@ class _Bars(_Lines):
 
 def _result(record: "Record") -> str:
     """Return the size of a result."""
-    known = ("frames", "samples", "descriptors")
-    what = next(key for key in known if key in record)
-    return f"{len(record[what]) if what == 'descriptors' else record[what]} {what}"
+    if record.descriptors is not None:
+        return f"{len(record.descriptors)} descriptors"
+    return f"{record.samples} samples" if record.frames is None else f"{record.frames} frames"
 
 
 def is_interactive() -> bool:

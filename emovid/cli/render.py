@@ -98,7 +98,7 @@ def render(
 
     Examples: emovid render --emotion anger · emovid render --all --jobs 2 · emovid render my.yaml --set robot.l=0.002
     """
-    from emovid.batch.make import done_before, make_missing, workers
+    from emovid.batch.cache import find_current, make_missing, workers
     from emovid.batch.order import write_presentation_order
     from emovid.cli.progress import reporter
     from emovid.scene.emotions import EMOTIONS
@@ -123,13 +123,13 @@ def render(
     for line in [] if quiet or as_json else _replaced([job for job in work if job.target != output]):
         typer.echo(line, err=True)
     with reporter(len(work), quiet=quiet or as_json) as report:
-        known = {} if force else done_before(work, report)
+        known = {} if force else find_current(work, report)
         missing = [job for job in work if job.target not in known]
         with workers(min(jobs or os.cpu_count() or 1, len(missing)), report.advanced) as pool:
             made = make_missing(missing, report, pool)
     if as_json:
         records = known | made.records
-        videos = {str(job.target): records[job.target] for job in work if job.target in records}
+        videos = {str(job.target): records[job.target].to_json() for job in work if job.target in records}
         failed = {str(target): str(failure) for target, failure in made.failures.items()}
         typer.echo(json.dumps({"videos": videos, "failed": failed}, indent=2))
     raise_failures(made.failures.values(), len(work), "videos")
@@ -157,14 +157,14 @@ def _job(source: str, output: Path | None, overrides: "Sequence[Setting]") -> "J
 
 def _replaced(work: "Sequence[Job]") -> "Iterator[str]":
     """Yield a line for each video of other settings that another is about to replace, as their names are the same."""
-    from emovid.batch.ledger import read_ledger
+    from emovid.batch.manifest import read_manifest
     from emovid.scene.difference import differences_of
 
-    ledgers = {folder: read_ledger(folder) for folder in {job.target.parent for job in work}}
+    manifests = {folder: read_manifest(folder) for folder in {job.target.parent for job in work}}
     for job in work:
-        known = ledgers[job.target.parent].get(job.target.name, {}).get("scene")
-        if isinstance(known, dict) and job.target.exists():
-            keys = [row.key for row in differences_of(known, job.scene.resolved())]
+        known = manifests[job.target.parent].get(job.target.name)
+        if known and known.scene and job.target.exists():
+            keys = [row.key for row in differences_of(known.scene, job.scene.resolved())]
             others = f" and {len(keys) - _NAMED} more" if len(keys) > _NAMED else ""
             if keys:
                 yield f"{job.target}: replaces one with another {', '.join(keys[:_NAMED])}{others}"

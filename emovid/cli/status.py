@@ -1,21 +1,21 @@
-"""`emovid status` and `emovid verify`: what is wrong in a folder of results."""
+"""`emovid status` and `emovid verify`: check a folder of results."""
 
 import json
 import os
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from emovid.batch import check
+from emovid.batch.cache import workers
 from emovid.cli.options import Jobs, Json
-from emovid.errors import EmovidError
+from emovid.cli.progress import counting
 
-if TYPE_CHECKING:
-    from emovid.batch.check import Found
-
-Folder = Annotated[Path, typer.Argument(metavar="FOLDER", help="That emovid render or emovid sweep has written to.")]
+Folder = Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder that emovid render or emovid sweep wrote.")]
 
 
 def status(folder: Folder, as_json: Json = False) -> None:
@@ -25,9 +25,7 @@ def status(folder: Folder, as_json: Json = False) -> None:
 
     Example: emovid status sweeps/lk/
     """
-    from emovid.batch.check import status as find
-
-    found = find(folder)
+    found = check.status(folder)
     _show(found, as_json)
     if any(result.state != "current" for result in found):
         raise typer.Exit(1)
@@ -36,7 +34,7 @@ def status(folder: Folder, as_json: Json = False) -> None:
 def verify(
     folder: Folder,
     again: Annotated[
-        bool, typer.Option("--rebuild", help="Make all again, apart, and name the stage that differs.")
+        bool, typer.Option("--rebuild", help="Make every result again, elsewhere, and name the stage that differs.")
     ] = False,
     jobs: Jobs = None,
     as_json: Json = False,
@@ -47,34 +45,21 @@ def verify(
 
     Examples: emovid verify videos/ · emovid verify sweeps/lk/ --rebuild
     """
-    from emovid.batch.check import rebuild, rebuildable
-    from emovid.batch.check import verify as find
-    from emovid.batch.make import workers
-    from emovid.batch.run import run
-    from emovid.cli.progress import counting
-
-    found = {result.name: result for result in find(folder)}
     if again:
-        work = rebuildable(folder)
-        processes = min(jobs or os.cpu_count() or 1, max(len(work), 1))
-        with counting(folder.resolve().name, quiet=as_json) as tell, workers(processes) as pool:
-            for done, (what, outcome) in enumerate(run(rebuild, work, pool), start=1):
-                if isinstance(outcome, EmovidError):
-                    raise outcome
-                if found.get(what.name, outcome).state == "current":
-                    found[what.name] = outcome
-                if tell:
-                    tell(done, len(work))
-    _show(list(found.values()), as_json)
-    if any(result.state not in ("current", "stale") for result in found.values()):
+        with counting(folder.resolve().name, quiet=as_json) as tell, workers(jobs or os.cpu_count() or 1) as pool:
+            found = check.verify_again(folder, pool, tell or (lambda *_: None))
+    else:
+        found = check.verify(folder)
+    _show(found, as_json)
+    if any(result.state not in ("current", "stale") for result in found):
         raise typer.Exit(1)
 
 
-def _show(found: "Sequence[Found]", as_json: bool) -> None:
-    """Print a line for each result that is not as it should be, and how many are in each state."""
+def _show(found: Sequence[check.Finding], as_json: bool) -> None:
+    """Print a line for each result that is not current, and the number of results in each state."""
     counts = Counter(result.state for result in found)
     if as_json:
-        wrong = [result._asdict() for result in found if result.state != "current"]
+        wrong = [asdict(result) for result in found if result.state != "current"]
         typer.echo(json.dumps({"counts": counts, "results": wrong}, indent=2))
         return
     for result in found:

@@ -7,9 +7,15 @@ from typing import Annotated
 
 import typer
 
+from emovid.batch.cache import find_current, make_missing, workers
+from emovid.batch.results import TABLE, write_plan, write_summary
+from emovid.batch.sweep import items, shard_of
+from emovid.batch.sweep_file import find_sweep, read_sweep
 from emovid.cli.failures import raise_failures
 from emovid.cli.options import Force, Jobs, Json, Quiet
+from emovid.cli.progress import reporter
 from emovid.errors import InputError
+from emovid.swarm.simulate import check_start
 
 FOLDER = "sweeps"
 
@@ -17,23 +23,23 @@ FOLDER = "sweeps"
 def sweep(
     file: Annotated[
         Path,
-        typer.Argument(metavar="SWEEP", help="A sweep.yaml, the plan.json of another run, or look_ahead_and_gain."),
+        typer.Argument(metavar="SWEEP", help="Sweep file, plan.json of another run, or name of a shipped sweep."),
     ],
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="A folder, made if missing.", show_default=f"{FOLDER}/NAME"),
+        typer.Option("--output", "-o", help="Folder of the results; made if missing.", show_default=f"{FOLDER}/NAME"),
     ] = None,
     only: Annotated[
         str | None,
-        typer.Option(help="video, trajectory or measure: what is made of each item.", show_default="as the sweep says"),
+        typer.Option(help="Kind of the results: video, trajectory or measure.", show_default="as in the sweep file"),
     ] = None,
     jobs: Jobs = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(metavar="ADDRESS", help="Of a Dask cluster, as tcp://127.0.0.1:8786.", show_default=False),
+        typer.Option(metavar="ADDRESS", help="Dask scheduler, as in tcp://127.0.0.1:8786.", show_default=False),
     ] = None,
     shard: Annotated[
-        str | None, typer.Option(metavar="I/N", help="Only this part of the items, as 3/40.", show_default=False)
+        str | None, typer.Option(metavar="I/N", help="Make one part of the items, as in 3/40.", show_default=False)
     ] = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -45,14 +51,7 @@ def sweep(
 
     Examples: emovid sweep sweep.yaml --jobs 2 · emovid sweep sweep.yaml --only measure --shard 3/40
     """
-    from emovid.batch.make import done_before, make_missing, workers
-    from emovid.batch.results import write_plan, write_summary
-    from emovid.batch.sweep import items, shard_of
-    from emovid.batch.sweep_file import find_sweep, read_sweep_file
-    from emovid.cli.progress import reporter
-    from emovid.swarm.simulate import check_start
-
-    plan = read_sweep_file(find_sweep(file), only)
+    plan = read_sweep(find_sweep(file), only)
     every = items(plan)
     number, count = shard_of(shard) if shard else (1, 1)
     folder = output or Path(FOLDER) / file.stem
@@ -61,7 +60,7 @@ def sweep(
     work = [item.job(folder, plan.only) for item in every[number - 1 :: count]]
     processes = jobs or os.cpu_count() or 1
     with reporter(len(work), quiet=quiet or as_json, each=False) as report:
-        known = {} if force else done_before(work, report)
+        known = {} if force else find_current(work, report)
         missing = [job for job in work if job.target not in known]
         for job in missing:
             check_start(job.scene)
@@ -74,5 +73,5 @@ def sweep(
         counts = {"items": len(every), "made": len(made.records), "up_to_date": len(known)}
         typer.echo(json.dumps({"folder": str(folder)} | counts | {"failed": failed}, indent=2))
     elif not quiet:
-        typer.echo(f"{folder / 'results.csv'}: {done} of {len(every)} items", err=True)
+        typer.echo(f"{folder / TABLE}: {done} of {len(every)} items", err=True)
     raise_failures(made.failures.values(), len(work))

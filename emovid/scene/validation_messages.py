@@ -119,7 +119,8 @@ def _wrong_word(given: Any, expected: list[str]) -> str:
 
 
 def _known_key(loc: KeyPath, path: KeyPath, root: type[BaseModel]) -> str:
-    known = [name for model in _models_at(loc[:-1], root) for name in model.model_fields]
+    models = _models_at(loc[:-1], root)
+    known = [field.alias or name for model in models for name, field in model.model_fields.items()]
     parents = "".join(f"{part}." for part in path[:-1])
     hint = nearest(str(path[-1]), known)
     return hint.replace("mean ", f"mean {parents}") if hint else f"; expected {_one_of(known)}"

@@ -1,4 +1,4 @@
-"""What decides whether a result is up to date."""
+"""Modules that decide whether a result is up to date."""
 
 import re
 from pathlib import Path
@@ -13,7 +13,7 @@ OUTSIDE = {
     "atomic_io",
     "csv_writer",
     "yaml_source",
-}  # no pixel depends on them
+}  # no result depends on them
 
 
 def rooms_behind(names: set[str]) -> set[str]:

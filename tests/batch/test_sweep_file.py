@@ -1,4 +1,4 @@
-"""sweep.yaml: what is read, what becomes of it, and the one line for what cannot be meant."""
+"""Sweep files: their items, their plan, and one line for each mistake."""
 
 import re
 import shutil
@@ -10,7 +10,7 @@ from PIL import Image
 
 from emovid.batch import sweep as sweep_module
 from emovid.batch.sweep import axes, items, shard_of
-from emovid.batch.sweep_file import SweepFile, read_sweep_file
+from emovid.batch.sweep_file import Sweep, read_sweep
 from emovid.errors import InputError, SourceError
 from emovid.scene.load import find_scene, load_scene
 
@@ -20,14 +20,14 @@ DRAWN = {"law": "coverage", "kappa": 1.0, "density": {"kind": "image", "file": "
 
 @pytest.fixture
 def read(tmp_path):
-    def read_text(text: str, name: str = "sweep.yaml") -> SweepFile:
+    def read_text(text: str, name: str = "sweep.yaml") -> Sweep:
         (tmp_path / name).write_text(text)
-        return read_sweep_file(tmp_path / name)
+        return read_sweep(tmp_path / name)
 
     return read_text
 
 
-def cells(sweep: SweepFile) -> list[tuple]:
+def cells(sweep: Sweep) -> list[tuple]:
     return [tuple(item.cells.values()) for item in items(sweep)]
 
 
@@ -49,7 +49,7 @@ def test_every_scene_meets_every_entry_every_point_and_every_seed(read) -> None:
         assert (scene.robot.K, scene.robot.l, scene.robots) == (cell["robot.K"], 0.01, cell["robots"] or 15)
 
 
-def test_what_is_set_is_no_column(read) -> None:
+def test_keys_of_all_items_are_not_columns(read) -> None:
     sweep = read("scenes: [anger]\nset: {duration: 2}\n")
     (item,) = items(sweep)
     assert item.cells == {"scene": "anger"}
@@ -80,13 +80,13 @@ def test_a_range_of_whole_numbers_fits_a_key_that_counts(read) -> None:
         items(read("scenes: [fear]\ngrid: {robots: {from: 5, to: 6, count: 3}}\n"))
 
 
-def test_scenes_of_a_testbed_are_known_from_any_folder(read, monkeypatch) -> None:
+def test_testbed_scenes_are_found_from_any_folder(read, monkeypatch) -> None:
     monkeypatch.chdir("/")
     (item,) = items(read("scenes: [robotarium/sadness]\n"))
     assert item.scene.resolved() == load_scene("robotarium/sadness").resolved()
 
 
-def test_a_number_of_seeds_is_the_first_so_many(read) -> None:
+def test_a_number_of_seeds_counts_from_1(read) -> None:
     assert cells(read("scenes: [fear]\nseeds: 3\n")) == [("fear", 1), ("fear", 2), ("fear", 3)]
 
 
@@ -96,7 +96,7 @@ def test_files_are_found_from_the_sweep_s_folder(read, tmp_path, monkeypatch) ->
     assert cells(read("scenes: [mine.yaml, anger]\n")) == [("mine",), ("anger",)]
 
 
-def test_a_name_is_of_content_and_stays_when_the_sweep_grows(read) -> None:
+def test_names_come_from_content_and_stay_when_the_sweep_grows(read) -> None:
     few = items(read("scenes: [anger]\ngrid: {robot.K: [2, 4]}\n"))
     more = items(read("scenes: [fear, anger]\ngrid: {robot.K: [1, 2, 3, 4]}\n"))
     assert {item.name for item in few} < {item.name for item in more}
@@ -104,12 +104,12 @@ def test_a_name_is_of_content_and_stays_when_the_sweep_grows(read) -> None:
 
 
 @pytest.mark.parametrize(("only", "suffix"), [("video", ".mp4"), ("trajectory", ".npz"), ("measure", "")])
-def test_what_is_made_shows_in_the_name(read, only, suffix) -> None:
+def test_the_kind_of_result_is_in_the_name(read, only, suffix) -> None:
     (item,) = items(read(f"only: {only}\nscenes: [anger]\n"))
     assert item.name.removeprefix("anger-")[12:] == suffix
 
 
-def test_the_format_shows_in_the_name(read) -> None:
+def test_the_format_is_in_the_name(read) -> None:
     sweep = read("scenes: [anger]\ngrid: {video.format: [webm, gif, png-sequence]}\n")
     assert [item.name[18:] for item in items(sweep)] == [".webm", ".gif", ""]
 
@@ -175,37 +175,41 @@ def test_axes_are_named_in_the_order_of_items(read) -> None:
 
 WRONG = {
     "": "sweep.yaml: empty: expected a sweep",
-    "[1]": "sweep.yaml: not a sweep: expected some of only, scenes, set, list, grid, seeds",
+    "[1]": "sweep.yaml: not a sweep: expected some of scenes, only, set, list, grid, seeds",
     "scenes: [anger]\nsedes: 3": "sweep.yaml:2: sedes: unknown key (did you mean seeds?)",
-    "seeds: 3": "sweep.yaml:1: scenes: expected a list of emotions and scene files",
-    "scenes: {}": "sweep.yaml:1: scenes: expected a list of emotions and scene files",
-    "scenes: []": "sweep.yaml:1: scenes: expected a list of emotions and scene files",
+    "seeds: 3": "sweep.yaml:1: scenes: missing (a list of emotions and scene files)",
+    "scenes: {}": "sweep.yaml:1: scenes: a group of keys: expected names of scenes and their keys",
+    "scenes: []": "sweep.yaml:1: scenes: []: expected a list of emotions and scene files",
     "scenes:\n  - angr": "sweep.yaml:2: scenes.0: angr: no such file or emotion (did you mean anger?)",
     "scenes: [/no/such.yaml]": "sweep.yaml:1: scenes.0: /no/such.yaml: no such file or emotion",
     "scenes: [robotarium/angr]": "sweep.yaml:1: scenes.0: robotarium/angr: no such file or emotion (did you mean "
     "robotarium/anger?)",
-    "scenes: {mine: 3}": "sweep.yaml:1: scenes.mine: expected a name and the keys of a scene",
-    "scenes: {../mine: {robots: 3}}": "sweep.yaml:1: scenes.../mine: expected a name and the keys of a scene",
+    "scenes: {mine: 3}": "sweep.yaml:1: scenes.mine: 3: expected keys of a scene and their values, as in "
+    "robot.l: 0.002",
+    "scenes: {../mine: {robots: 3}}": "sweep.yaml:1: scenes.../mine: expected a name without /",
     "scenes: [3]": "sweep.yaml:1: scenes.0: 3: expected an emotion or a scene file",
     "scenes: [anger, anger]": "sweep.yaml:1: scenes.1: anger: there is another scene called anger",
-    "scenes: [anger]\nonly: vidoe": "sweep.yaml:2: only: 'vidoe': expected one of video, trajectory, measure",
+    "scenes: [anger]\nonly: vidoe": "sweep.yaml:2: only: 'vidoe': expected one of video, trajectory, measure "
+    "(did you mean video?)",
     "scenes: [anger]\nonly: [video]": "sweep.yaml:2: only: ['video']: expected one of video, trajectory, measure",
-    "scenes: [anger]\nseeds: 0": "sweep.yaml:2: seeds: expected a list of seeds, or how many, from 1 on",
+    "scenes: [anger]\nseeds: 0": "sweep.yaml:2: seeds: 0: expected a list of seeds, or how many, from 1 on",
     "scenes: [anger]\nseeds: [1, -1]": "sweep.yaml:2: seed: -1: expected at least 0",
-    "scenes: [anger]\ngrid: [1]": "sweep.yaml:2: grid: expected keys of a scene, each with a list of values, as in "
+    "scenes: [anger]\ngrid: [1]": "sweep.yaml:2: grid: [1]: expected keys of a scene, each with a list of "
+    "values, as in "
     "robot.l: [0.002, 0.004]",
-    "scenes: [anger]\ngrid:\n  robot.l: 0.1": "sweep.yaml:3: grid.robot.l: expected a list of values, or {from: 0.001, "
+    "scenes: [anger]\ngrid:\n  robot.l: 0.1": "sweep.yaml:3: grid.robot.l: 0.1: expected a list of values, or "
+    "{from: 0.001, "
     "to: 0.01, count: 10}",
     "scenes: [anger]\ngrid:\n  robot.l:\n    - 0.01\n    - -1": "sweep.yaml:5: robot.l: -1: expected more than 0",
     "scenes: [anger]\ngrid:\n  robot.k: [1]": "sweep.yaml:3: robot.k: unknown key (did you mean robot.K?)",
     "scenes: [anger]\ngrid:\n  robot.l: {form: 1}": "sweep.yaml:3: grid.robot.l.form: unknown key (did you mean from?)",
-    "scenes: [anger]\ngrid:\n  robot.l: {from: 1, to: a, count: 2}": "sweep.yaml:3: grid.robot.l: expected numbers "
-    "from and to, and a count of at least 1",
+    "scenes: [anger]\ngrid:\n  robot.l: {from: 1, to: a, count: 2}": "sweep.yaml:3: grid.robot.l.to: 'a': "
+    "expected a number",
     "scenes: [anger]\ngrid:\n  robot.l: {from: 0, to: 1, count: 2, log: true}": "sweep.yaml:3: grid.robot.l: log: "
-    "expected true, with from and to above 0",
-    "scenes: [anger]\nlist: 3": "sweep.yaml:2: list: expected a list of groups of keys, as in - {robot.l: 0.002, "
+    "expected from and to above 0",
+    "scenes: [anger]\nlist: 3": "sweep.yaml:2: list: 3: expected a list of groups of keys, as in - {robot.l: 0.002, "
     "robot.K: 6}",
-    "scenes: [anger]\nlist: [3]": "sweep.yaml:2: list.0: expected keys of a scene and their values, as in robot.l: "
+    "scenes: [anger]\nlist: [3]": "sweep.yaml:2: list.0: 3: expected keys of a scene and their values, as in robot.l: "
     "0.002",
     "scenes: [anger]\nset: {robot.K: 1}\ngrid: {robot.K: [1, 2]}": "sweep.yaml:3: grid.robot.K: given in set too",
     "scenes: [anger]\nseeds: [1]\nlist: [{seed: 1}]": "sweep.yaml:3: list.seed: given in seeds too",
@@ -246,13 +250,13 @@ def test_a_shard_is_a_number_and_a_count(given) -> None:
 
 def test_the_shipped_sweep_is_valid_and_explains_every_key() -> None:
     (path,) = (ROOT / "configs" / "sweeps").glob("*.yaml")
-    sweep = read_sweep_file(path)
+    sweep = read_sweep(path)
     assert 1 < len(items(sweep)) <= sweep_module.MAX_ITEMS
     text = path.read_text()
     assert all(f"{key}:" in text for key in ("only", "scenes", "set", "list", "grid", "seeds"))
 
 
-def test_a_fault_within_a_scene_s_file_is_named_there(read, tmp_path) -> None:
+def test_a_syntax_error_in_a_scene_file_names_that_file(read, tmp_path) -> None:
     (tmp_path / "mine.yaml").write_text("emotion: [fear\n")
     with pytest.raises(SourceError, match=rf"^{re.escape(str(tmp_path))}/mine\.yaml:2: "):
         read("scenes: [mine.yaml]\n")

@@ -19,7 +19,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from emovid.atomic_io import file_digest
-from emovid.batch.ledger import read_ledger
+from emovid.batch.manifest import read_manifest
 from emovid.cli.main import main
 from emovid.scene.emotions import EMOTIONS
 
@@ -191,7 +191,7 @@ def _unsaid(trial: Trial, fault: Fault) -> list[str]:
 
 def _violations_of_next_run(trial: Trial) -> list[str]:
     trial.folder.mkdir(exist_ok=True)
-    known = read_ledger(trial.folder)
+    known = read_manifest(trial.folder)
     done = {
         name
         for name in NAMES

@@ -1,9 +1,10 @@
-"""The contact sheet of a sweep: the last frame of each item, in the rows and columns of what the sweep varies."""
+"""The contact sheet of a sweep: the last frame of each item, with a row or column for each varied value."""
 
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from functools import partial
 from itertools import product
 from math import ceil, prod, sqrt
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 from emovid.atomic_io import file_digest, writing
 from emovid.batch.job import Record, versions
-from emovid.batch.ledger import Ledger
+from emovid.batch.manifest import Journal
 from emovid.batch.sweep import Item
 from emovid.figures.contact import contact_figure
 from emovid.figures.style import encoded
@@ -25,23 +26,23 @@ from emovid.video.painter import Painter
 
 NAME = "contact-sheet.png"
 MAX_SIDE = 200  # pictures in a row or a column
-_WIDE, _NARROW, _PAGE = 480, 150, 2150  # pixels: of a picture at most and at least, and of all columns if they can be
+_WIDE, _NARROW, _PAGE = 480, 150, 2150  # pixels: largest and smallest picture, preferred width of all columns
 _ONE_ROW = 8  # pictures
 
 Axes = Sequence[tuple[str, Sequence[str]]]
 
 
-def write_sheet(folder: Path, items: Sequence[Item], axes: Axes, records: Mapping[str, Record], threads: int) -> None:
-    """Write `contact-sheet.png`, unless it is there and shows what is in the folder.
-
-    Nothing is written for more rows or columns than can be looked at.
+def write_contact_sheet(
+    folder: Path, items: Sequence[Item], axes: Axes, records: Mapping[str, Record], threads: int
+) -> None:
+    """Write `contact-sheet.png`, unless it is up to date, or would have more than `MAX_SIDE` rows or columns.
 
     Args:
-        folder: that holds the items' files.
-        items: of the sweep, all of them made.
-        axes: what varies, and its values, slowest first.
+        folder: of the items' files.
+        items: all items of the sweep, finished.
+        axes: names and values of the varied keys, slowest first.
         records: of the items, by name.
-        threads: to read videos with.
+        threads: number of videos to read at once.
     """
     rows, columns = _arranged(axes)
     high, wide = _count(rows), _count(columns)
@@ -51,24 +52,23 @@ def write_sheet(folder: Path, items: Sequence[Item], axes: Axes, records: Mappin
         high = ceil(len(items) / wide)
     if max(high, wide) > MAX_SIDE:
         return
-    files = [(item.name, records[item.name]["sha256"]) for item in items]
-    recipe = {"shows": _digest([files, axes]), "versions": versions("sheet")}
+    files = [(item.name, records[item.name].sha256) for item in items]
+    record = Record("sheet", shows=_digest([files, axes]), versions=versions("sheet"))
     target = folder / NAME
-    with Ledger(folder) as ledger:
-        known = ledger.records.get(NAME, {})
-        made_so = target.is_file() and all(known.get(key) == value for key, value in recipe.items())
-        if made_so and file_digest(target) == known["sha256"]:
+    with Journal(folder) as journal:
+        known = journal.records.get(NAME)
+        if known and target.is_file() and known == replace(record, sha256=file_digest(target)):
             return
         grid = _pictures(folder, items, records, threads, wide, high)
         with writing(target) as file:
             file.write(encoded(_figure(grid, rows, columns, wrapped=wrapped), "png"))
-        ledger.add(NAME, {"only": "sheet", "sha256": file_digest(target)} | recipe)
+        journal.add(NAME, replace(record, sha256=file_digest(target)))
 
 
 def _pictures(
     folder: Path, items: Sequence[Item], records: Mapping[str, Record], threads: int, wide: int, high: int
 ) -> NDArray[np.uint8]:
-    """Return what each item shows at its end, (high, wide, height, width, 3), white where there is none."""
+    """Return the last frames of items, (high, wide, height, width, 3), white in unused places."""
     width = 2 * (int(np.clip(_PAGE / wide, _NARROW, _WIDE)) // 2)
     video = items[0].scene.video
     height = 2 * max(round(width * video.height / video.width / 2), 32)
@@ -79,7 +79,7 @@ def _pictures(
 
 
 def _arranged(axes: Axes) -> tuple[Axes, Axes]:
-    """Return the axes that rows stand for and those that columns do, as near to a square as their order allows."""
+    """Return the axes of the rows and those of the columns, as near to a square as their order allows."""
     varied = [axis for axis in axes if len(axis[1]) > 1]
     square = sqrt(_count(varied))
     split = min(range(1, len(varied)), key=lambda rows: abs(_count(varied[:rows]) - square), default=0)
@@ -98,14 +98,14 @@ def _figure(grid: NDArray[np.uint8], rows: Axes, columns: Axes, *, wrapped: bool
 
 
 def _labels(axes: Axes) -> tuple[str, list[str]]:
-    """Return what some axes together are called, and their crossed values."""
+    """Return the title of some axes together, and the labels of their crossed values."""
     titles = [title for title, _ in axes if title]
     return ", ".join(titles), [", ".join(values) for values in product(*(values for _, values in axes))]
 
 
 def _picture(folder: Path, records: Mapping[str, Record], width: int, height: int, item: Item) -> NDArray[np.uint8]:
-    """Return what an item shows at its end, (height, width, 3) RGB."""
-    if records[item.name]["only"] == "video":
+    """Return the last frame of an item, (height, width, 3) RGB."""
+    if records[item.name].only == "video":
         return read_last_frame(folder / item.name, item.scene.frames, item.scene.video.fps, width, height)
     run = load_trajectory(folder / item.name)
     video = run.scene.video.model_copy(update={"size": f"{width}x{height}"})

@@ -1,4 +1,4 @@
-"""The one loop over pools: what is under way is bounded, so are attempts, and a death ends one item."""
+"""The scheduler and its workers: few items run at once, attempts are limited, and a death affects one item."""
 
 import os
 import signal
@@ -13,9 +13,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from emovid.batch import local
-from emovid.batch.local import InProcess, Processes, _Slot
-from emovid.batch.run import run
+from emovid.batch import workers
+from emovid.batch.scheduler import run
+from emovid.batch.workers import InProcess, Processes, _Slot
 from emovid.errors import EmovidError, SourceError
 
 
@@ -52,7 +52,7 @@ class Threads:
 
 @given(st.integers(1, 3), st.integers(0, 12), st.dictionaries(st.integers(0, 11), st.integers(0, 5)))
 @settings(max_examples=50)
-def test_every_item_ends_once_whatever_dies(slots, count, dies) -> None:
+def test_every_item_ends_once_whatever_worker_dies(slots, count, dies) -> None:
     told: list[tuple[int, int]] = []
     pool = Threads(slots, dies)
     with pool.threads:
@@ -65,7 +65,7 @@ def test_every_item_ends_once_whatever_dies(slots, count, dies) -> None:
         if deaths < 3:
             assert outcome == item * 2
         else:
-            assert str(outcome) == "its worker died each time: killed, or out of memory"
+            assert str(outcome) == "its worker died in every attempt: killed, or out of memory"
 
 
 def _double(item, on_step):
@@ -84,20 +84,20 @@ def _fail(item, on_step):
         (MemoryError(), "not enough memory: fewer robots, a longer control_period or a shorter duration need less"),
     ],
 )
-def test_what_goes_wrong_is_one_line(error, message) -> None:
+def test_a_failure_is_one_line(error, message) -> None:
     ((_, outcome),) = run(_fail, [error], InProcess(lambda *_: None))
     assert isinstance(outcome, EmovidError)
     assert str(outcome) == message
 
 
-def test_what_should_not_happen_says_where(tmp_path) -> None:
+def test_an_unexpected_error_names_its_place(tmp_path) -> None:
     ((_, outcome),) = run(_fail, [ZeroDivisionError("division by zero")], InProcess(lambda *_: None))
-    assert str(outcome).startswith("unexpected ZeroDivisionError: division by zero, at test_run.py:")
+    assert str(outcome).startswith("unexpected ZeroDivisionError: division by zero, at test_scheduler.py:")
     ((_, outcome),) = run(_fail, [ValueError("not one line,\n  but two")], InProcess(lambda *_: None))
-    assert str(outcome).startswith("unexpected ValueError: not one line, but two, at test_run.py:")
+    assert str(outcome).startswith("unexpected ValueError: not one line, but two, at test_scheduler.py:")
 
 
-def test_a_ctrl_c_is_nobody_s_failure() -> None:
+def test_a_ctrl_c_is_not_a_failure_of_the_item() -> None:
     with pytest.raises(KeyboardInterrupt):
         list(run(_fail, [KeyboardInterrupt()], InProcess(lambda *_: None)))
 
@@ -122,7 +122,7 @@ def _work(item, on_step):
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
-def test_a_dead_worker_loses_its_item_and_no_other(tmp_path, number) -> None:
+def test_a_dead_worker_affects_only_its_item(tmp_path, number) -> None:
     deaths = {"a": 0, "b": 2, "c": 0, "d": 9, "e": 0}
     work = [(name, tmp_path / name, count, number) for name, count in deaths.items()]
     heard, died = [], []
@@ -140,17 +140,17 @@ def test_a_dead_worker_loses_its_item_and_no_other(tmp_path, number) -> None:
     assert sorted(heard) == [(name, 1, 2) for name in "abce"]
 
 
-def test_a_worker_that_takes_over_is_heard_although_the_end_of_the_last_is_noticed_late() -> None:
+def test_progress_of_a_replacement_arrives_even_if_the_death_is_noticed_late() -> None:
     slot, (last, its_end) = _Slot(), Pipe()
     its_end.close()
     with closing(Processes(1, lambda *_: None)) as pool:
         pool._slots.append(slot)  # whose process is ended with the pool
         slot.submit(_succeed, 1).result(60)
-        slot.hear(last, lambda *_: None)
+        slot.receive(last, lambda *_: None)
         assert slot.open_lines
 
 
-def test_a_worker_that_died_with_nothing_to_do_is_replaced() -> None:
+def test_a_worker_that_died_while_idle_is_replaced() -> None:
     with closing(Processes(1, lambda *_: None)) as pool:
         idle = pool.submit(_pid, 1).result(60)
         os.kill(idle, signal.SIGKILL)
@@ -163,13 +163,13 @@ def test_a_worker_that_died_with_nothing_to_do_is_replaced() -> None:
         assert pool.submit(_pid, 2).result(60) != idle
 
 
-def test_a_report_that_comes_after_its_item_has_ended_is_not_passed_on() -> None:
+def test_a_late_progress_report_is_dropped() -> None:
     slot, (line, worker) = _Slot(), Pipe()
     heard = []
     slot._number = 2
     for number, done in ((1, 8), (2, 3)):
         worker.send((number, done, 9))
-        slot.hear(line, lambda *told: heard.append(told))
+        slot.receive(line, lambda *told: heard.append(told))
     assert heard == [(None, 3, 9)]
 
 
@@ -181,7 +181,7 @@ def _succeed(item, on_step) -> bool:
     return True
 
 
-def test_a_worker_says_a_warning_in_one_line(capfd) -> None:
+def test_a_warning_in_a_worker_is_one_line(capfd) -> None:
     with closing(Processes(1, lambda *_: None)) as pool:
         pool.submit(_warn, "mind the gap").result(60)
     assert capfd.readouterr().err == "warning: mind the gap\n"
@@ -199,7 +199,7 @@ def _sleep(item: Path, on_step) -> None:
         item.unlink()
 
 
-def test_a_pool_that_is_closed_undoes_what_is_under_way(tmp_path) -> None:
+def test_closing_a_pool_undoes_unfinished_work(tmp_path) -> None:
     marks = [tmp_path / name for name in "ab"]
     with closing(Processes(2, lambda *_: None)) as pool:
         for mark in marks:
@@ -212,14 +212,14 @@ def test_a_pool_that_is_closed_undoes_what_is_under_way(tmp_path) -> None:
 
 
 def _hang(item: Path, on_step) -> None:
-    local._GRACE = 0.1  # in this worker
+    workers._GRACE = 0.1  # in this worker
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     item.touch()
     time.sleep(30)
     item.write_text("undisturbed")
 
 
-def test_a_worker_that_does_not_end_when_told_to_is_ended(tmp_path) -> None:
+def test_a_worker_that_ignores_sigterm_is_ended(tmp_path) -> None:
     with closing(Processes(1, lambda *_: None)) as pool:
         pool.submit(_hang, tmp_path / "a")
         deadline = time.monotonic() + 60

@@ -1,4 +1,4 @@
-"""The one way in which many items are worked on, wherever that is: bounded in what is under way and in how often."""
+"""The scheduler: hands items to a pool of workers, a bounded number at once, and retries items whose worker died."""
 
 import traceback
 from collections import deque
@@ -7,13 +7,33 @@ from concurrent.futures import Future
 from functools import partial
 from pathlib import Path
 from queue import SimpleQueue
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
-from emovid.batch.pool import OnStep, Pool
 from emovid.errors import EmovidError, reason
 
 Item = TypeVar("Item")
-OnDeath = Callable[[Any, int], None]  # is told of an item whose worker died, and which attempt that was
+OnStep = Callable[[int, int], None]  # receives the steps done and their total
+OnProgress = Callable[[Any, int, int], None]  # receives an item, its steps done and their total
+OnDeath = Callable[[Any, int], None]  # receives an item whose worker died, and the number of the attempt
+
+
+class Pool(Protocol):
+    """Workers: this process, processes of this machine, or a Dask cluster."""
+
+    @property
+    def slots(self) -> int:
+        """Number of items that may run at once."""
+
+    @property
+    def attempts(self) -> int:
+        """Number of attempts at an item whose worker dies."""
+
+    @property
+    def deaths(self) -> tuple[type[BaseException], ...]:
+        """Exceptions of a future whose worker died."""
+
+    def submit(self, work: Callable[..., Any], item: Any) -> "Future[Any]":
+        """Start `work(item, on_step)`; `on_step` may be None."""
 
 
 def run(
@@ -22,9 +42,9 @@ def run(
     pool: Pool,
     on_death: OnDeath = lambda *_: None,
 ) -> Iterator[tuple[Item, Any]]:
-    """Yield each item as it ends with what `work(item, on_step)` returned, or with the `EmovidError` that says why not.
+    """Yield each item when it ends, with the result of `work(item, on_step)` or the `EmovidError` that it failed with.
 
-    An item whose worker dies is tried again, as often as the pool says; the others are not touched.
+    An item whose worker dies is tried again, up to `pool.attempts` times; other items are not affected.
     """
     waiting = deque((item, 1) for item in items)
     running: dict[Future[Any], tuple[Item, int]] = {}
@@ -44,11 +64,11 @@ def run(
             waiting.append((item, attempt + 1))
             on_death(item, attempt)
         else:
-            yield item, EmovidError("its worker died each time: killed, or out of memory")
+            yield item, EmovidError("its worker died in every attempt: killed, or out of memory")
 
 
 def _outcome(future: "Future[Any]", pool: Pool) -> Any:
-    """Return what a future came to, or the error that says why not, or None if its worker has died."""
+    """Return the result of a future, the error that it failed with, or None if its worker died."""
     try:
         return future.result()
     except EmovidError as error:
@@ -58,7 +78,7 @@ def _outcome(future: "Future[Any]", pool: Pool) -> Any:
 
 
 def _attempt(work: Callable[..., Any], item: Any, on_step: OnStep | None = None) -> Any:
-    """Do an item where the work is done, and say there what went wrong."""
+    """Do the work on a worker; every failure becomes an `EmovidError`."""
     try:
         return work(item, on_step)
     except Exception as error:
@@ -66,7 +86,7 @@ def _attempt(work: Callable[..., Any], item: Any, on_step: OnStep | None = None)
 
 
 def _failure(error: Exception) -> EmovidError:
-    """Return what ended one item, in one line; what should not have happened with the place where it did."""
+    """Return an error as one line; for an unexpected one the line names the place in the code."""
     if isinstance(error, EmovidError):
         return error
     if isinstance(error, MemoryError):

@@ -1,12 +1,13 @@
-"""What came of a job elsewhere: it counts where it was made by the same versions and is here."""
+"""A result from another machine counts only if the same versions made it and its file is here."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from emovid.batch.cache import make_missing
 from emovid.batch.job import Job
-from emovid.batch.local import InProcess
-from emovid.batch.make import make_missing
+from emovid.batch.workers import InProcess
 from emovid.scene.model import Scene
 
 
@@ -30,8 +31,8 @@ class Elsewhere(InProcess):
     def _spoilt(self, record, job):
         if not self.shares:
             job.target.unlink()
-        versions = record["versions"] | self.versions
-        return record | {"versions": {name: of for name, of in versions.items() if name != self.without}}
+        versions = record.versions | self.versions
+        return replace(record, versions={name: of for name, of in versions.items() if name != self.without})
 
 
 @pytest.fixture
@@ -48,7 +49,7 @@ def failure(job: Job, pool: InProcess) -> str:
 
 
 def test_a_worker_of_other_versions_is_named_with_them(job) -> None:
-    here = job.recipe["versions"]
+    here = job.recipe.versions
     said = failure(job, Elsewhere(numpy="1.0", scipy="1.1"))
     expected = f"numpy 1.0, here {here['numpy']}; scipy 1.1, here {here['scipy']}"
     assert said == f"{job.target}: its worker has other versions: {expected}"

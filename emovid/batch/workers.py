@@ -1,4 +1,4 @@
-"""Pools of this machine: the process itself, and processes that may die without harm to each other."""
+"""Workers on this machine: this process itself, or processes whose deaths do not affect each other."""
 
 import multiprocessing
 import os
@@ -12,66 +12,66 @@ from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from typing import Any, NoReturn
 
-from emovid.batch.pool import Hear
+from emovid.batch.scheduler import OnProgress
 from emovid.errors import say_warnings_in_one_line
 from emovid.signals import blocked_signals, held_signals, unblock_signals
 
-_GRACE = 10.0  # seconds a process has to undo what it does
-_PACE = 0.1  # seconds between two reports
+_GRACE = 10.0  # seconds that a process has to undo its work
+_PACE = 0.1  # seconds between two progress reports
 
 
 class Stopped(BaseException):
-    """Raised in a process that is terminated, so that what is under way is undone."""
+    """Raised in a worker that receives SIGTERM, so that its unfinished work is undone."""
 
 
 class InProcess:
-    """Does an item when it is submitted.
+    """This process: works on an item when it is submitted.
 
     Args:
-        hear: is told how it goes.
+        on_progress: receives the progress.
     """
 
     slots = attempts = 1
     deaths = ()
 
-    def __init__(self, hear: Hear) -> None:
-        self._hear = hear
+    def __init__(self, on_progress: OnProgress) -> None:
+        self._on_progress = on_progress
 
     def submit(self, work: Callable[..., Any], item: Any) -> "Future[Any]":
-        """Return the future of `work(item, on_step)`, which is done."""
+        """Return the finished future of `work(item, on_step)`."""
         future: Future[Any] = Future()
         try:
-            future.set_result(work(item, lambda done, total: self._hear(item, done, total)))
+            future.set_result(work(item, lambda done, total: self._on_progress(item, done, total)))
         except Exception as error:
             future.set_exception(error)
         return future
 
 
 class Processes:
-    """Processes, one for each slot: a death ends one item, and it is known which.
+    """Worker processes, one per slot, so that a death affects one known item.
 
     Args:
-        slots: how many.
-        hear: is told how items go, in another thread.
+        slots: number of processes.
+        on_progress: receives the progress, in another thread.
     """
 
     attempts = 3
     deaths = (BrokenProcessPool, Stopped)
 
-    def __init__(self, slots: int, hear: Hear) -> None:
+    def __init__(self, slots: int, on_progress: OnProgress) -> None:
         self.slots = slots
         self._slots = [_Slot() for _ in range(slots)]
-        self._hear = hear
+        self._on_progress = on_progress
         self._over = threading.Event()
         self._listener = threading.Thread(target=self._listen, daemon=True)
         self._listener.start()
 
     def submit(self, work: Callable[..., Any], item: Any) -> "Future[Any]":
-        """Start `work(item, on_step)` in a slot that is free."""
+        """Start `work(item, on_step)` in a free slot."""
         return next(slot for slot in self._slots if slot.is_free).submit(work, item)
 
     def close(self) -> None:
-        """End all processes, and with them what is under way."""
+        """End all processes and their unfinished work."""
         with held_signals():
             self._over.set()
             self._listener.join()
@@ -85,19 +85,19 @@ class Processes:
             lines = {line: slot for slot in self._slots for line in slot.open_lines}
             ready = wait(list(lines), timeout=_PACE)
             for line in lines.keys() & ready:
-                lines[line].hear(line, self._hear)
+                lines[line].receive(line, self._on_progress)
             if not lines:
                 time.sleep(_PACE)
 
 
 class _Slot:
-    """A process, replaced once it has died, and the line to it: reports come in, and its end is the order to stop."""
+    """A process, replaced when it dies, and the connection to it: it sends progress; closing it ends the process."""
 
     def __init__(self) -> None:
         self._item: Any = None
         self._number = 0  # of items
-        # The first is set where items are submitted, the second where reports are heard: a process may be replaced
-        # while its end is being noticed.
+        # The submitting thread sets the first, the listening thread the second: a process may be replaced before its
+        # end is noticed.
         self._line: Connection | None = None
         self._ended: Connection | None = None
         self._pool: ProcessPoolExecutor | None = None
@@ -105,7 +105,7 @@ class _Slot:
 
     @property
     def open_lines(self) -> list[Connection]:
-        """The line to the process, or none if nothing can come in."""
+        """The connection to the process, unless it is closed."""
         line = self._line
         return [line] if line and line is not self._ended else []
 
@@ -116,28 +116,28 @@ class _Slot:
     def submit(self, work: Callable[..., Any], item: Any) -> "Future[Any]":
         died = self._future is not None and isinstance(self._future.exception(), BrokenProcessPool)
         self._item, self._number, self._future = item, self._number + 1, None
-        # A process must not be interrupted before it can handle that, nor we before it is known.
+        # A signal must not reach a process before it can handle it, nor this one before it knows the process.
         with held_signals(), blocked_signals():
             if self._pool is None or died:
                 self._start()
             assert self._pool
             try:
                 self._future = self._pool.submit(_in_worker, self._number, work, item)
-            except BrokenProcessPool:  # it has died with nothing to do
+            except BrokenProcessPool:  # it died while it was idle
                 self._start()
                 self._future = self._pool.submit(_in_worker, self._number, work, item)
         return self._future
 
-    def hear(self, line: Connection, hear: Hear) -> None:
-        """Pass on a report that has come."""
+    def receive(self, line: Connection, on_progress: OnProgress) -> None:
+        """Pass on a progress report that has arrived."""
         try:
             number, done, total = line.recv()
-        except (EOFError, OSError):  # it has died
+        except (EOFError, OSError):  # the process died
             self._ended = line
         else:
-            future = self._future  # none while it is being submitted
-            if number == self._number and not (future and future.done()):  # else it is over
-                hear(self._item, done, total)
+            future = self._future  # None while it is being submitted
+            if number == self._number and not (future and future.done()):  # otherwise the item has ended
+                on_progress(self._item, done, total)
 
     def _start(self) -> None:
         context = multiprocessing.get_context("spawn")  # forking a process with threads can deadlock
@@ -161,7 +161,7 @@ _over = threading.Event()
 
 
 def _enter_worker(line: Connection) -> None:
-    """Set up a worker process: it ends when its parent says so or is gone, not by a Ctrl-C of its own."""
+    """Set up a worker process: it ends with its parent or when told to, and ignores Ctrl-C itself."""
     global _line  # noqa: PLW0603 - a pool's initializer can leave it nowhere else
     _line = line
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -172,15 +172,15 @@ def _enter_worker(line: Connection) -> None:
 
 def _end_with_parent() -> None:
     with suppress(EOFError, OSError):
-        _line.recv()  # nothing ever comes, but the end
+        _line.recv()  # the parent never sends anything; it closes the connection
     _over.set()
     os.kill(os.getpid(), signal.SIGTERM)
     time.sleep(_GRACE)
-    os._exit(1)  # ffmpeg sees its input end; what it leaves has no final name
+    os._exit(1)  # ffmpeg ends with its input; its unfinished file has a temporary name
 
 
 def _on_sigterm(*_: object) -> NoReturn:
-    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # nothing may tear what is being undone
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # a second signal must not interrupt the clean-up
     raise Stopped("terminated")
 
 
@@ -199,7 +199,7 @@ def _in_worker(number: int, work: Callable[..., Any], item: Any) -> Any:
         return work(item, on_step)
     except Stopped:
         if _over.is_set():
-            os._exit(1)  # nobody waits for an answer
+            os._exit(1)  # the parent no longer waits
         raise
     finally:
         signal.signal(signal.SIGTERM, before)

@@ -1,4 +1,4 @@
-"""The contact sheet of a sweep: how its pictures lie, and when it is made again."""
+"""The contact sheet of a sweep: its layout, and when it is made again."""
 
 import os
 from pathlib import Path
@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from emovid.batch import sheet
+from emovid.batch import contact_sheet
+from emovid.batch.contact_sheet import write_contact_sheet
 from emovid.batch.job import make
-from emovid.batch.ledger import Ledger
-from emovid.batch.sheet import write_sheet
+from emovid.batch.manifest import Journal
 from emovid.batch.sweep import axes, items
-from emovid.batch.sweep_file import read_sweep_file
+from emovid.batch.sweep_file import read_sweep
 
 WIDE, HIGH = 480, 270  # pixels of a picture: as wide as can be
 
@@ -23,14 +23,14 @@ def draw(tmp_path):
     def draw_sheet(varied: str) -> Path:
         text = f"only: trajectory\nscenes: [fear]\nset: {{duration: 0.25, robots: 2}}\n{varied}\n"
         (tmp_path / "sweep.yaml").write_text(text)
-        sweep = read_sweep_file(tmp_path / "sweep.yaml")
+        sweep = read_sweep(tmp_path / "sweep.yaml")
         every = items(sweep)
         records = {item.name: make(item.job(tmp_path, sweep.only)) for item in every}
-        with Ledger(tmp_path) as ledger:
+        with Journal(tmp_path) as journal:
             for name, record in records.items():
-                ledger.add(name, record)
-        write_sheet(tmp_path, every, axes(sweep), records, 1)
-        return tmp_path / sheet.NAME
+                journal.add(name, record)
+        write_contact_sheet(tmp_path, every, axes(sweep), records, 1)
+        return tmp_path / contact_sheet.NAME
 
     return draw_sheet
 
@@ -49,13 +49,13 @@ def size(file: Path) -> tuple[int, int]:
         ("seeds: 2\ngrid: {robot.K: [4, 8, 12]}", 2, 3),
     ],
 )
-def test_pictures_lie_in_rows_and_columns_of_what_varies(draw, varied, columns, rows) -> None:
+def test_varied_values_are_rows_and_columns(draw, varied, columns, rows) -> None:
     width, height = size(draw(varied))
     assert columns * WIDE < width < (columns + 1) * WIDE
     assert rows * HIGH < height < (rows + 1) * HIGH
 
 
-def test_a_sheet_is_made_again_only_when_it_would_show_something_else(draw) -> None:
+def test_a_sheet_is_made_again_only_when_its_pictures_change(draw) -> None:
     file = draw("seeds: 2")
     os.utime(file, (0, 0))
     assert draw("seeds: 2").stat().st_mtime == 0
@@ -65,8 +65,8 @@ def test_a_sheet_is_made_again_only_when_it_would_show_something_else(draw) -> N
     assert draw("seeds: [2, 3]").read_bytes() == shown
 
 
-def test_more_rows_than_can_be_looked_at_are_no_sheet(draw, monkeypatch) -> None:
-    monkeypatch.setattr(sheet, "MAX_SIDE", 2)
+def test_too_many_rows_make_no_sheet(draw, monkeypatch) -> None:
+    monkeypatch.setattr(contact_sheet, "MAX_SIDE", 2)
     assert draw("seeds: 2").exists()
     draw("seeds: 2").unlink()
     assert not draw("seeds: 3").exists()
