@@ -1,7 +1,7 @@
-"""All figures and tables of the paper by name: where it has them, what each shows, and what makes it.
+"""All figures and tables of the paper by name: number in the paper, caption, and the function that draws it.
 
-To add one, write a function that returns a `Figure` and takes its `width`, and an `Entry` for it here and in
-`docs/figures.md`. What comes from another room reaches it as a table of `Material`, which the command line fills.
+To add one, write a function that returns a `Figure` and takes its `width`, and add an `Entry` here and a row in
+`docs/figures.md`. Results of other rooms reach it as a table of `Material`.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -11,92 +11,100 @@ from typing import Any, NamedTuple
 from matplotlib.figure import Figure
 
 from emovid.figures.accuracy import accuracy_figure
-from emovid.figures.attributes import ATTRIBUTES, BEHAVIOURS, Table
 from emovid.figures.circumplex import circumplex_figure
 from emovid.figures.confusion import confusion_figure
-from emovid.figures.densities import converged, densities_figure
-from emovid.figures.descriptors import descriptors_figure
-from emovid.figures.diffeomorphism import clearest_step, diffeomorphism_figure
-from emovid.figures.following import LARGE_L, PATH, SMALL_L, follow, following_figure
-from emovid.figures.frames import frames_figure, traces_figure
+from emovid.figures.control_laws import converged, densities_figure, shapes_figure
 from emovid.figures.interaction import interaction_figure
-from emovid.figures.robot import robot_figure
-from emovid.figures.robotarium import overhead_figure, perspective_figure
+from emovid.figures.paper_tables import ATTRIBUTES, BEHAVIOURS, Table, table_html, table_latex, table_markdown
 from emovid.figures.run_cache import Material
-from emovid.figures.shapes import shapes_figure
+from emovid.figures.runs import descriptors_figure, frames_figure, overhead_figure, perspective_figure, traces_figure
 from emovid.figures.study import answers_of, placed_answers_of, recognition_of
 from emovid.figures.style import DOUBLE_COLUMN, FORMATS, SINGLE_COLUMN, encoded
-from emovid.figures.tables import table_figure, table_latex, table_markdown
+from emovid.figures.unicycle import (
+    LARGE_L,
+    PATH,
+    SMALL_L,
+    clearest_step,
+    diffeomorphism_figure,
+    follow,
+    following_figure,
+    robot_figure,
+)
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import load_robot
 
 WIDTHS = {"one-column": SINGLE_COLUMN, "two-column": DOUBLE_COLUMN}  # in
-TEXTS: Mapping[str, Callable[[Table], str]] = MappingProxyType({"tex": table_latex, "md": table_markdown})
-STUDY = "study"  # the table that holds the results of a study
-MEASURES = "measures"  # the one that holds the descriptors of the six emotions
+TEXTS: Mapping[str, Callable[[Table], str]] = MappingProxyType(
+    {"tex": table_latex, "md": table_markdown, "html": table_html}
+)
+STUDY = "study"  # table with the results of a study
+MEASURES = "measures"  # table with the descriptors of the six emotions
 
 
 class Entry(NamedTuple):
-    """A figure.
+    """A figure, or a table of text.
 
     Attributes:
-        name: of the figure and of its files.
-        paper: its number in the paper, as in "Fig. 8"; empty for one that the paper does not have.
-        caption: what it shows, in a line.
-        draw: what makes it, of the parts and a width [in].
-        parts: what it is made of.
-        width: that it has by default [in].
-        emotions: whose scenes it needs.
-        tables: that it needs of `Material`.
-        data: what it is as text too, if it is a table.
+        name: of the figure and its files.
+        paper: number in the paper, for example "Fig. 8"; empty for a figure that is not in the paper.
+        caption: in one line.
+        draw: function of the parts and a width [in] that draws the figure.
+        parts: function that gives these parts.
+        width: default width [in].
+        emotions: names of the scenes it needs.
+        tables: names of the tables of `Material` it needs.
+        data: for a table of text, in place of a drawing.
     """
 
     name: str
     paper: str
     caption: str
-    draw: Callable[..., Figure]
-    parts: Callable[[Material], Sequence[Any]]
-    width: float
+    draw: Callable[..., Figure] | None = None
+    parts: Callable[[Material], Sequence[Any]] = lambda _: ()
+    width: float = DOUBLE_COLUMN
     emotions: tuple[str, ...] = ()
     tables: tuple[str, ...] = ()
     data: Table | None = None
 
     @property
     def formats(self) -> tuple[str, ...]:
-        """The formats it can be written in."""
-        return FORMATS + (tuple(TEXTS) if self.data else ())
+        """File formats of the figure or table."""
+        return tuple(TEXTS) if self.data else FORMATS
 
     def figure(self, material: Material, width: float | None = None) -> Figure:
-        """Return the figure, of its own width or another [in]."""
+        """Return the drawing at its default width or another [in].
+
+        Raises:
+            ValueError: for a table of text.
+        """
+        if self.draw is None:
+            raise ValueError(f"{self.name} is a table of text")
         return self.draw(*self.parts(material), width=width or self.width)
 
     def files(self, material: Material, formats: Sequence[str], width: float | None = None) -> Iterator[bytes]:
-        """Yield the figure as a file of each format."""
-        figure = self.figure(material, width) if set(formats) & set(FORMATS) else None
-        for format in formats:
-            if format in FORMATS:
-                assert figure is not None
-                yield encoded(figure, format)
-            else:
-                assert self.data is not None  # see `formats`
-                yield TEXTS[format](self.data).encode()
+        """Yield the contents of a file of each format."""
+        if self.data:
+            yield from (TEXTS[format](self.data).encode() for format in formats)
+        else:
+            figure = self.figure(material, width)
+            yield from (encoded(figure, format) for format in formats)
 
 
-_SEEN = {
+_DESCRIPTIONS = {
     "happiness": "a circle with small ripples",
     "surprise": "an expanding circle, which makes a spiral",
-    "sadness": "a small circle, of which an eighth is gone in 8 s",
+    "sadness": "a small circle, an eighth of a turn in 8 s",
     "fear": "an even spread, slow and angular",
     "disgust": "a spread to the boundary, slow and angular",
     "anger": "a crowd at the centre, fast and the most angular",
 }
-_ROUND, _SPREAD = ("happiness", "surprise", "sadness"), ("anger", "disgust", "fear")
+_ON_CONTOURS, _COVERAGE = ("happiness", "surprise", "sadness"), ("anger", "disgust", "fear")
 _BOTH_LAWS = ("happiness", "fear")
 
 
 def _frames(emotion: str, number: int) -> Entry:
     times = EMOTIONS[emotion].snapshot_times
-    said = f"Snapshots of {emotion} at {', '.join(f'{t:g}' for t in times)} s with trails: {_SEEN[emotion]}"
+    said = f"Snapshots of {emotion} at {', '.join(f'{t:g}' for t in times)} s with trails: {_DESCRIPTIONS[emotion]}"
     return Entry(
         f"{emotion}-frames",
         f"Fig. {number}",
@@ -127,11 +135,12 @@ def _interaction(material: Material) -> Sequence[Any]:
 
 
 def _shapes(material: Material) -> Sequence[Any]:
-    return [material.run(emotion) for emotion in _ROUND], [EMOTIONS[emotion].snapshot_times[1] for emotion in _ROUND]
+    times = [EMOTIONS[emotion].snapshot_times[1] for emotion in _ON_CONTOURS]
+    return [material.run(emotion) for emotion in _ON_CONTOURS], times
 
 
 def _densities(material: Material) -> Sequence[Any]:
-    scenes = [material.scene(emotion) for emotion in _SPREAD]
+    scenes = [material.scene(emotion) for emotion in _COVERAGE]
     return scenes, [converged(scene) for scene in scenes]
 
 
@@ -155,7 +164,7 @@ CATALOGUE: Mapping[str, Entry] = MappingProxyType(
             Entry(
                 "interaction",
                 "Fig. 2",
-                "How interactions, information and control law make a swarm's behaviour: a contour law and coverage",
+                "From interactions, information and control law to swarm behavior: a contour law and coverage",
                 interaction_figure,
                 _interaction,
                 DOUBLE_COLUMN,
@@ -198,15 +207,15 @@ CATALOGUE: Mapping[str, Entry] = MappingProxyType(
                 tables=(STUDY,),
             ),
             _robotarium("overhead", 13, "from overhead, with the trails of four", overhead_figure),
-            _robotarium("perspective", 14, "seen by a camera 1.70 m up", perspective_figure),
+            _robotarium("perspective", 14, "from a camera 1.70 m above the floor", perspective_figure),
             Entry(
                 "shapes",
                 "Fig. 15",
-                "Contours of happiness, surprise (at two radii) and sadness: agents, the points they follow, arrows",
+                "Contours of happiness, surprise (at two radii) and sadness: agents, targets, go-to-goal arrows",
                 shapes_figure,
                 _shapes,
                 DOUBLE_COLUMN,
-                _ROUND,
+                _ON_CONTOURS,
             ),
             Entry(
                 "densities",
@@ -215,7 +224,7 @@ CATALOGUE: Mapping[str, Entry] = MappingProxyType(
                 densities_figure,
                 _densities,
                 DOUBLE_COLUMN,
-                _SPREAD,
+                _COVERAGE,
             ),
             Entry(
                 "diffeomorphism",
@@ -230,18 +239,12 @@ CATALOGUE: Mapping[str, Entry] = MappingProxyType(
                 "attributes",
                 "Table I",
                 "Movement and shape attributes of emotions and of valences, each with its source",
-                table_figure,
-                lambda _: (ATTRIBUTES,),
-                DOUBLE_COLUMN,
                 data=ATTRIBUTES,
             ),
             Entry(
                 "behaviours",
                 "Table II",
                 "Swarm behaviour and robot control selected for each emotion",
-                table_figure,
-                lambda _: (BEHAVIOURS,),
-                SINGLE_COLUMN,
                 data=BEHAVIOURS,
             ),
             Entry(
@@ -265,7 +268,7 @@ CATALOGUE: Mapping[str, Entry] = MappingProxyType(
             Entry(
                 "descriptors",
                 "",
-                "Descriptors of the six emotions, each axis from the least to the largest value",
+                "Descriptors of the six emotions, each axis from the smallest to the largest value",
                 descriptors_figure,
                 lambda material: (material.table(MEASURES),),
                 DOUBLE_COLUMN,

@@ -1,4 +1,4 @@
-"""A contact sheet: small pictures in rows and columns that say what is different."""
+"""A contact sheet: small pictures in labelled rows and columns."""
 
 from collections.abc import Sequence
 
@@ -26,16 +26,16 @@ def contact_figure(
     captions: Sequence[str] = (),
     width: float | None = None,
 ) -> Figure:
-    """Draw pictures in rows and columns, a pixel of the file for each of theirs.
+    """Draw pictures in rows and columns at the resolution of the file.
 
     Args:
-        pictures: (R, C, height, width, 3), RGB; places without one are white.
+        pictures: (R, C, height, width, 3), RGB; empty places are white.
         rows: R labels.
         columns: C labels.
-        row_title: what the rows' labels are values of.
-        column_title: likewise, of the columns.
+        row_title: title of the rows' labels.
+        column_title: title of the columns' labels.
         captions: of the pictures, row by row, instead of labels.
-        width: of the figure [in], if it is to be wider than pictures and labels.
+        width: smallest width of the figure [in].
     """
     high, wide, height, across, _ = pictures.shape
     if (len(rows), len(columns)) != (high, wide) and not captions:
@@ -52,7 +52,7 @@ def contact_figure(
     figure = Figure(figsize=(float(size[0]), float(size[1])))
     bounds = (left / size[0], _EDGE / size[1], *(inside / DPI / size))
     axes = figure.add_axes(bounds, xlim=(0, inside[0]), ylim=(inside[1], 0))
-    for i, row in enumerate(pictures):  # row by row: matplotlib takes some 130 bytes for a pixel of an image
+    for i, row in enumerate(pictures):  # row by row, since matplotlib takes some 130 bytes per pixel of an image
         extent = (0, inside[0], i * step[1] + height, i * step[1])
         axes.imshow(_joined(row), interpolation="none", aspect="auto", extent=extent)
     axes.set_axis_off() if captions else axes.spines[:].set_visible(False)
@@ -71,19 +71,19 @@ def contact_figure(
 
 
 def picture_width(columns: int, width: float) -> int:
-    """Return how wide pictures with captions may be [pixels], so many beside each other in a figure of `width` [in]."""
+    """Return the width of pictures with captions [pixels] for `columns` side by side in a figure of `width` [in]."""
     return int(((width - 2 * _EDGE) * DPI - (columns - 1) * _GAP) / columns + 1e-9)
 
 
 def in_rows(pictures: NDArray[np.uint8], columns: int) -> NDArray[np.uint8]:
-    """Return pictures (P, height, width, 3) in rows (R, columns, height, width, 3), the last filled up with white."""
+    """Return pictures (P, height, width, 3) in rows (R, columns, height, width, 3), the last row padded with white."""
     missing = -len(pictures) % columns
     blank = np.full((missing, *pictures.shape[1:]), 255, np.uint8)
     return np.concatenate([pictures, blank]).reshape(-1, columns, *pictures.shape[1:])
 
 
 def _joined(pictures: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Return one picture of those in a row (C, height, width, 3), with gaps between them."""
+    """Return one picture from those of a row (C, height, width, 3), with gaps between them."""
     wide, height, width, _ = pictures.shape
     cells = np.full((height, wide, width + _GAP, 3), 255, np.uint8)
     cells[:, :, :width] = pictures.swapaxes(0, 1)

@@ -1,6 +1,6 @@
-"""How interactions, information and control law make the behaviour of a swarm, as in Fig. 2: for both kinds of law.
+"""From interactions, information and control law to the behaviour of a swarm (Fig. 2), for both kinds of law.
 
-Each row shows one run: who acts on whom, what one robot knows, what it does with that, and what all of them then do.
+Each row shows one run: the interactions, the information of one robot, its control law, and the swarm's behaviour.
 """
 
 from collections.abc import Sequence
@@ -11,11 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from emovid.figures.densities import centroids
+from emovid.figures.control_laws import AGENT, ARROW, TARGET, centroids, contour_of, draw_contour, draw_discs
 from emovid.figures.schematic import ANGULAR, LINEAR, PALE, THIN, draw_arrow, draw_line, draw_turn
-from emovid.figures.shapes import AGENT, ARROW, TARGET, contour_of, draw_contour, draw_discs
-from emovid.figures.style import DOUBLE_COLUMN, FAINT, INK, POINTS, QUIET, in_style
-from emovid.figures.top_view import (
+from emovid.figures.stage_panels import (
     LINE,
     draw_robots,
     draw_swarm,
@@ -25,6 +23,7 @@ from emovid.figures.top_view import (
     write_above,
     write_below,
 )
+from emovid.figures.style import DOUBLE_COLUMN, FAINT, INK, POINTS, QUIET, in_style
 from emovid.scene.behaviour import Coverage
 from emovid.swarm.arrays import Array, Indices
 from emovid.swarm.laws import corners_of, followed_points, start_angles
@@ -37,7 +36,7 @@ _CONTOUR = ("none", "own point on the contour", r"$u_i = x(\theta_i(t), t) - \ti
 _COVERAGE = ("Voronoi neighbors", "positions of neighbors", r"$u_i = \kappa\,(c_i - p_i)$")
 _GAP = 20.0  # between panels, for the arrows that lead from one to the next [pt]
 _CELL = "#dce8f4"
-# The angles that show v, omega and u apart in a wide panel: of the heading from x, and of u from the heading.
+# Angles at which v, omega and u do not overlap: of the heading from x, and of u from the heading.
 _HEADING, _ASIDE = np.radians(10), np.radians(40)
 _ROUNDING = 1e-7  # m
 _ENDS = np.array([-1, 1])
@@ -47,12 +46,12 @@ _ENDS = np.array([-1, 1])
 def interaction_figure(
     runs: Sequence[Trajectory], times: Sequence[float], behaviours: Sequence[str], *, width: float = DOUBLE_COLUMN
 ) -> Figure:
-    """Draw a row of four panels for each run: interactions, information, control law, and what the swarm does.
+    """Draw a row of four panels for each run: interactions, information, control law, swarm behavior (Fig. 2).
 
     Args:
         runs: of unicycles, on stages of one size.
-        times: at which each is looked at [s]; the last panel shows its end.
-        behaviours: what the swarms do, in words.
+        times: of the first three panels of each [s]; the last panel shows the end.
+        behaviours: of the swarms, in words.
         width: of the figure [in].
     """
     across, stage = 4 if width >= DOUBLE_COLUMN else 2, runs[0].scene.stage
@@ -78,7 +77,7 @@ def interaction_figure(
 
 
 def clearest_robot(run: Trajectory, period: int) -> int:
-    """Return the robot whose command in a control period is seen best in a wide panel."""
+    """Return the robot whose command in a control period is the most legible in a wide panel."""
     assert run.scene.robot.l is not None
     v, lateral = run.commands[period, :, 0], run.scene.robot.l * run.commands[period, :, 1]
     off = np.abs(np.abs(np.arctan2(lateral, v)) - _ASIDE) + np.abs(wrapped(run.poses[period, :, 2] - _HEADING))
@@ -88,7 +87,7 @@ def clearest_robot(run: Trajectory, period: int) -> int:
 def neighbours(points: Array, cells: Array) -> Indices:
     """Return the pairs (C, 2) of robots (N, 2) [m] whose Voronoi cells (N, M, 2) share an edge, each pair once.
 
-    The middle of a shared edge is as far from both robots; that of an edge of the stage, from one.
+    The middle of a shared edge has the same distance from both robots.
     """
     found = set()
     for i, cell in enumerate(cells):
@@ -101,7 +100,7 @@ def neighbours(points: Array, cells: Array) -> Indices:
 
 
 def _draw_interactions(axes: Axes, run: Trajectory, period: int) -> None:
-    """Draw the swarm and a line between every two robots that act on each other."""
+    """Draw the swarm, and a line between every two robots that interact."""
     points = run.poses[period, :, :2]
     if isinstance(run.scene.behaviour, Coverage):
         for pair in neighbours(points, voronoi_cells(points, corners_of(run.scene.stage))):
@@ -125,7 +124,7 @@ def _draw_target(axes: Axes, run: Trajectory, period: int, robot: int) -> None:
 
 
 def _draw_cell(axes: Axes, run: Trajectory, period: int, robot: int) -> None:
-    """Draw a robot, the neighbours it knows of, and its Voronoi cell with the centroid."""
+    """Draw a robot, its neighbours, and its Voronoi cell with the centroid."""
     points = run.poses[period, :, :2]
     cells = voronoi_cells(points, corners_of(run.scene.stage))
     pairs = neighbours(points, cells)
@@ -143,7 +142,7 @@ def _draw_cell(axes: Axes, run: Trajectory, period: int, robot: int) -> None:
 
 
 def _draw_command(axes: Axes, run: Trajectory, period: int, robot: int) -> None:
-    """Draw a robot with u, at its look-ahead point, and the v and omega that follow from it."""
+    """Draw a robot with u at its look-ahead point, and the resulting v and omega."""
     body, l = run.scene.robot.body, run.scene.robot.l or 0.0
     (x, y, heading), (v, omega) = run.poses[period, robot], run.commands[period, robot]
     along, across = np.array([np.cos(heading), np.sin(heading)]), np.array([-np.sin(heading), np.cos(heading)])
@@ -168,7 +167,7 @@ def _draw_command(axes: Axes, run: Trajectory, period: int, robot: int) -> None:
 
 
 def _frame(axes: Axes, points: Array, room: float) -> None:
-    """Show the part of the plane that holds points (P, 2) and `room` around them [m], in the panel's proportions."""
+    """Show the part of the plane with points (P, 2) and `room` around them [m], in the panel's proportions."""
     low, high = points.min(axis=0) - room, points.max(axis=0) + room
     size = np.array([np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())])
     half = ((high - low) / size).max() * size / 2
@@ -191,7 +190,7 @@ def _away_from(*directions: Array) -> Array:
 
 
 def _draw_step(axes: Axes) -> None:
-    """Draw an arrow from a panel to the next."""
+    """Draw an arrow from a panel to the next one."""
     how = {"arrowstyle": "-|>", "color": QUIET, "linewidth": 1.0, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 9}
     at = axes.transAxes
     width = axes.bbox.width / axes.figure.dpi * POINTS

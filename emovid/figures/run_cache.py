@@ -1,4 +1,4 @@
-"""What figures are made from: each scene is read, and each run simulated, once for all of them."""
+"""Inputs of figures: each scene is read, and each run simulated, once for all figures."""
 
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
@@ -14,11 +14,11 @@ Tables = Mapping[str, Callable[["Material"], Any]]
 
 
 class Material:
-    """Runs of the shipped scenes, and tables from other rooms; made when first asked for, and kept.
+    """Runs of the shipped scenes, and tables from other rooms, made on first use and cached.
 
     Args:
         settings: keys to replace in every scene.
-        tables: how to make a table, by its name, from the runs if need be: ``study`` gives the results of a study.
+        tables: functions that make the tables, by name: ``study`` gives the results of a study.
     """
 
     def __init__(self, settings: Sequence[Setting] = (), tables: Tables = MappingProxyType({})) -> None:
@@ -28,13 +28,13 @@ class Material:
         self._tables: dict[str, Any] = {}
 
     def scene(self, emotion: str) -> Scene:
-        """Return the scene that ships for an emotion."""
+        """Return the shipped scene of an emotion."""
         if emotion not in self._scenes:
             self._scenes[emotion] = load_scene(emotion, self._settings)
         return self._scenes[emotion]
 
     def text(self, emotion: str) -> str:
-        """Return that scene as YAML: the file as it ships, or all keys where some are replaced."""
+        """Return that scene as YAML: the shipped file, or all keys if some are replaced."""
         return scene_text(self.scene(emotion)) if self._settings else read_text(shipped_scene(emotion))
 
     def run(self, emotion: str) -> Trajectory:

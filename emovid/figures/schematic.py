@@ -1,4 +1,4 @@
-"""Parts of drawings with dimensions: a page in metres, arrows, dimension lines, angles."""
+"""Parts of technical drawings: a page in metres, arrows, dimension lines, angles."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -14,18 +14,18 @@ from emovid.swarm.arrays import Array
 
 THIN, THICK = 0.6, 1.2  # widths of lines [pt]
 LINEAR, ANGULAR = "#1f6fb4", "#c9501c"  # of v, of omega
-PALE = Colours(body="#d5d8de", wheels="#8d93a0", front="#ffffff", stage="#ffffff")  # of a robot that is drawn upon
+PALE = Colours(body="#d5d8de", wheels="#8d93a0", front="#ffffff", stage="#ffffff")  # for a robot under a drawing
 _HEAD = 7.0  # size of an arrow's head [pt]
-_BEYOND = 2.0  # by which an extension line passes its dimension line [pt]
+_BEYOND = 2.0  # length of an extension line beyond its dimension line [pt]
 
 
 def drawing(bounds: Array, width: float, largest: float) -> tuple[Figure, Axes]:
-    """Return a page with axes in metres, as large as its width allows, with what is drawn in its middle.
+    """Return a page with axes in metres, as large as its width allows, with the drawing in its middle.
 
     Args:
-        bounds: lower left and upper right corner (2, 2) [m] of what is drawn.
+        bounds: lower left and upper right corner (2, 2) [m] of the drawing.
         width: of the page [in].
-        largest: height of the page [in] at most.
+        largest: largest height of the page [in].
     """
     (left, bottom), (right, top) = bounds
     height = min(width * (top - bottom) / (right - left), largest)
@@ -38,13 +38,13 @@ def drawing(bounds: Array, width: float, largest: float) -> tuple[Figure, Axes]:
 
 
 def scale_of(axes: Axes) -> float:
-    """Return how many points of the page a metre takes."""
+    """Return the scale of axes in metres [pt/m]."""
     left, right = axes.get_xlim()
     return float(axes.bbox.width / axes.figure.dpi * POINTS / (right - left))
 
 
 def write_math(axes: Axes, place: Array, text: str, colour: str = INK) -> None:
-    """Write a text with formulas about a point (2,) [m]."""
+    """Write a text, which may hold formulas, centred at a point (2,) [m]."""
     how: Any = {"ha": "center", "va": "center", "parse_math": True, "zorder": 6}  # Any: the stubs lack parse_math
     axes.text(float(place[0]), float(place[1]), text, color=colour, **how)
 
@@ -57,7 +57,7 @@ def draw_arrow(
 
 
 def draw_turn(axes: Axes, centre: Array, radius: float, start: float, end: float, colour: str = INK) -> None:
-    """Draw an arrow along an arc, from the angle `start` to the angle `end` [rad], less than half a turn."""
+    """Draw an arrow along an arc of less than half a turn, from the angle `start` to `end` [rad]."""
     tail, tip = (centre + radius * np.array([np.cos(angle), np.sin(angle)]) for angle in (start, end))
     axes.add_patch(_arrow(tail, tip, colour, THICK, bow=float(np.tan((end - start) / 4))))
 
@@ -79,9 +79,9 @@ def draw_line(
 
 
 def draw_dimension(axes: Axes, foot: Array, other: Array, offset: Array, text: str) -> None:
-    """Draw a dimension line between two points (2,) [m], shifted by `offset` (2,) [m], with extension lines to it.
+    """Draw a dimension line between two points (2,) [m], shifted by `offset` (2,) [m], with extension lines.
 
-    The text, which may hold formulas, stands on the far side of the line's middle.
+    The text, which may hold formulas, stands at its middle, on the side of the offset.
     """
     along = offset / np.linalg.norm(offset)
     beyond = along * _BEYOND / scale_of(axes)

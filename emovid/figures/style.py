@@ -1,4 +1,4 @@
-"""How every figure looks, and how it is saved: the same bytes in every run, whatever the user's matplotlibrc says."""
+"""Style and file formats of all figures: the same bytes in every run, independent of the user's matplotlibrc."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -18,7 +18,7 @@ from emovid.errors import InputError
 from emovid.signals import held_signals
 
 SINGLE_COLUMN, DOUBLE_COLUMN = 3.5, 7.16  # widths [in]; source: IEEE Author Center, "Resolution and Size"
-TEXT = 8.0  # of all text [pt]: figures are printed at the size they have
+TEXT = 8.0  # size of all text [pt]: figures are printed at their own size
 POINTS = 72.0  # per inch
 NONE = "none"  # the answer "none of these"
 
@@ -35,28 +35,28 @@ EMOTION_COLOURS = {
 INK, QUIET, FAINT, NONE_COLOUR = "#1a1a1a", "#666666", "#b0b0b0", "#9c9c9c"
 
 _STYLE: Any = {
-    "font.family": ["DejaVu Sans"],  # comes with matplotlib
+    "font.family": ["DejaVu Sans"],  # part of matplotlib
     "font.size": TEXT,
     **dict.fromkeys(("axes.labelsize", "axes.titlesize", "xtick.labelsize", "ytick.labelsize"), TEXT),
     **dict.fromkeys(("legend.fontsize", "figure.labelsize", "figure.titlesize"), TEXT),
     **dict.fromkeys(("axes.edgecolor", "axes.labelcolor", "text.color", "xtick.color", "ytick.color"), INK),
     **dict.fromkeys(("axes.linewidth", "xtick.major.width", "ytick.major.width"), 0.6),
     **dict.fromkeys(("xtick.major.size", "ytick.major.size"), 2.5),
-    "text.parse_math": False,  # a label may hold dollar signs
+    "text.parse_math": False,  # a label may contain dollar signs
     "legend.frameon": False,
     "savefig.dpi": 300,
     "pdf.fonttype": 42,  # TrueType, embedded: publishers refuse type 3
     "ps.fonttype": 42,
-    "svg.hashsalt": "emovid",  # ids alike in every run
+    "svg.hashsalt": "emovid",  # the same ids in every run
 }
-# What would differ between runs or machines is left out.
+# Metadata that would differ between runs or machines is left out.
 _LEFT_OUT = {"pdf": "CreationDate", "png": "Software", "svg": "Date"}
 FORMATS = tuple(_LEFT_OUT)
 
 
 @contextmanager
 def in_style() -> Iterator[None]:
-    """Make everything drawn inside look like our figures; the user's settings are back afterwards."""
+    """Draw in the style of all figures; restore the user's settings afterwards."""
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         matplotlib.rcParams.update(_STYLE)
@@ -64,7 +64,7 @@ def in_style() -> Iterator[None]:
 
 
 @in_style()
-@held_signals()  # matplotlib's compiled parts would make what a signal raises meanwhile an error of their own
+@held_signals()  # matplotlib's compiled parts would turn the exception of a signal into an error of their own
 def encoded(figure: Figure, format: str) -> bytes:
     """Return a figure as a file of the format: pdf, png (300 dpi) or svg."""
     buffer = BytesIO()
@@ -73,29 +73,29 @@ def encoded(figure: Figure, format: str) -> bytes:
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a figure in the format that the file's name ends in, whole or not at all.
+    """Write a figure as a complete file in the format of its suffix.
 
     Raises:
-        InputError: if that is none of .pdf, .png, .svg.
+        InputError: if the suffix is none of .pdf, .png, .svg.
         EmovidError: if the file cannot be written.
     """
     format = path.suffix.lower().removeprefix(".")
     if format not in _LEFT_OUT:
-        raise InputError(f"{path}: a figure's name ends in .pdf, .png or .svg")
+        raise InputError(f"{path}: expected a name that ends in .pdf, .png or .svg")
     data = encoded(figure, format)
     with writing(path) as file:
         file.write(data)
 
 
 def settle(figure: Figure) -> Figure:
-    """Lay a figure out for good: matplotlib would do it anew each time it saves, starting from where it had come to."""
+    """Fix the layout of a figure: matplotlib would compute it again, with another result, each time it saves."""
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     return figure
 
 
 def label_colours(labels: Sequence[str]) -> dict[str, str]:
-    """Return a colour for each label: the emotion's own, or, if any is no emotion of the study, steps of viridis."""
+    """Return a colour for each label: that of the emotion, or steps of viridis if any label is not one of the six."""
     named = [label for label in labels if label != NONE]
     colours = EMOTION_COLOURS
     if not set(named) <= set(EMOTION_COLOURS):
@@ -110,7 +110,7 @@ def steps(count: int, colours: str = "viridis") -> list[str]:
 
 
 def text_on(colour: str) -> str:
-    """Return the colour of text that is read best on `colour`: our ink, or white."""
+    """Return the text colour with the higher contrast on `colour`: dark ink or white."""
     channels = np.array(to_rgb(colour))
     linear = np.where(channels <= 0.04045, channels / 12.92, ((channels + 0.055) / 1.055) ** 2.4)
     luminance = linear @ [0.2126, 0.7152, 0.0722]  # WCAG 2: contrast is (lighter + 0.05) / (darker + 0.05)
@@ -123,7 +123,7 @@ def heading(label: str) -> str:
 
 
 def text_width(texts: Iterable[str]) -> float:
-    """Return how wide the widest of the texts is [pt]."""
+    """Return the width of the widest text [pt]."""
     font = FontProperties(family="DejaVu Sans", size=TEXT)
     measure = TextToPath().get_text_width_height_descent
     return max((measure(text, font, ismath=False)[0] for text in texts), default=0.0)

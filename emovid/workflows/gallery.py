@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from emovid.figures.catalogue import Entry
-    from emovid.figures.gallery import Film, Picture
+    from emovid.figures.gallery import Picture, SceneVideo
     from emovid.figures.run_cache import Material
 
 GALLERY = "gallery"
@@ -47,10 +47,10 @@ def gallery(material: "Material", entries: "Sequence[Entry]", done: Callable[[st
     return gallery_page(films, pictures, version("emovid")).encode()
 
 
-def _film(material: "Material", emotion: str) -> "Film":
+def _film(material: "Material", emotion: str) -> "SceneVideo":
     from PIL import Image
 
-    from emovid.figures.gallery import Film
+    from emovid.figures.gallery import SceneVideo
     from emovid.scene.emotions import EMOTIONS
     from emovid.video.painter import Painter
     from emovid.video.render import render_video
@@ -66,14 +66,19 @@ def _film(material: "Material", emotion: str) -> "Film":
     frame = Painter(run).frame(min(known.snapshot_times[-1], float(run.t[-1])))
     Image.fromarray(frame[..., :3].copy()).save(poster, "png", optimize=True)
     said = f"{known.behaviour.capitalize()}; {known.control}."
-    return Film(emotion, said, known.video, material.text(emotion), data, poster.getvalue(), _SIZE)
+    return SceneVideo(emotion, said, known.video, material.text(emotion), data, poster.getvalue(), _SIZE)
 
 
 def _picture(material: "Material", entry: "Entry") -> "Picture":
-    """Return a figure as SVG or as PNG, whichever is smaller: that with few lines can be enlarged for ever."""
+    """Return a figure as SVG or PNG, whichever is smaller, and a table as HTML."""
     from emovid.figures.gallery import Picture
+    from emovid.figures.paper_tables import table_html
     from emovid.figures.style import encoded
 
+    if entry.data:
+        return Picture(
+            entry.name, entry.paper, entry.caption, "html", table_html(entry.data).encode(), (entry.width, 0)
+        )
     figure = entry.figure(material)
     svg, png = encoded(figure, "svg"), encoded(figure, "png")
     kind, data = ("svg+xml", svg) if len(svg) < len(png) else ("png", png)

@@ -112,7 +112,7 @@ def _run(
 
 
 def _frames(source: str, asked: Moments, overrides: "Sequence[Setting]") -> "Entry":
-    from emovid.figures.frames import frames_figure
+    from emovid.figures.runs import frames_figure
 
     def usual(scene: "Scene", end: float) -> Sequence[float]:
         own = scene.snapshot_times

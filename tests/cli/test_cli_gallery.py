@@ -10,7 +10,7 @@ import pytest
 
 from emovid.cli.main import main
 from emovid.figures.catalogue import CATALOGUE, MEASURES, STUDY
-from emovid.figures.gallery import Film, Picture, gallery_page
+from emovid.figures.gallery import Picture, SceneVideo, gallery_page
 from emovid.figures.run_cache import Material
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, shipped_scene
@@ -115,8 +115,8 @@ def test_each_scene_is_there_as_it_is_written_with_its_video(outline) -> None:
     assert "\nseed: 5\n" in Material([Setting("seed", 5, "test")]).text("fear")
 
 
-def film(text: str, name: str = "fear") -> Film:
-    return Film(name, "said", "https://example.org/", text, b"", b"", (600, 400))
+def film(text: str, name: str = "fear") -> SceneVideo:
+    return SceneVideo(name, "said", "https://example.org/", text, b"", b"", (600, 400))
 
 
 def test_what_scenes_and_captions_say_is_shown_as_it_is() -> None:

@@ -11,13 +11,28 @@ from matplotlib.patches import FancyArrowPatch
 from matplotlib.text import Text
 from scipy.spatial import Voronoi
 
-from emovid.figures import densities
-from emovid.figures.densities import centroids, converged, densities_figure, density_map
-from emovid.figures.diffeomorphism import clearest_step, diffeomorphism_figure
-from emovid.figures.following import LARGE_L, PATH, SMALL_L, follow, following_figure, strays
+from emovid.figures import control_laws
+from emovid.figures.control_laws import (
+    arrows_of,
+    centroids,
+    converged,
+    densities_figure,
+    density_map,
+    expanded,
+    shapes_figure,
+)
 from emovid.figures.interaction import interaction_figure, neighbours
-from emovid.figures.robot import robot_figure
-from emovid.figures.shapes import arrows_of, expanded, shapes_figure
+from emovid.figures.unicycle import (
+    LARGE_L,
+    PATH,
+    SMALL_L,
+    clearest_step,
+    diffeomorphism_figure,
+    follow,
+    following_figure,
+    robot_figure,
+    strays,
+)
 from emovid.scene.load import load_robot
 from emovid.scene.robots import Body
 from emovid.swarm.laws import corners_of, followed_points, start_angles
@@ -210,7 +225,7 @@ def test_only_arrows_too_short_to_be_seen_are_enlarged(round_runs) -> None:
 def test_robots_that_never_come_to_rest_are_drawn_after_the_last_step(make_scene, monkeypatch) -> None:
     scene = make_scene("anger")
     start = start_poses(scene, np.random.default_rng(scene.seed))[:, :2]
-    monkeypatch.setattr(densities, "_MOST", 2)
+    monkeypatch.setattr(control_laws, "_MAX_STEPS", 2)
     assert converged(scene) == pytest.approx(centroids(scene, centroids(scene, start)))
 
 

@@ -16,6 +16,7 @@ from matplotlib.text import Text
 
 from emovid.errors import InputError
 from emovid.figures.catalogue import CATALOGUE, MEASURES, STUDY, TEXTS, WIDTHS
+from emovid.figures.paper_tables import table_latex
 from emovid.figures.run_cache import Material
 from emovid.figures.style import DOUBLE_COLUMN, FORMATS, SINGLE_COLUMN, in_style
 from emovid.scene.emotions import EMOTIONS
@@ -28,6 +29,7 @@ from tests.helpers.pdf import all_fonts_are_embedded_truetype, font_sizes, objec
 
 ROOT = Path(__file__).parents[2]
 NAMES = list(CATALOGUE)
+DRAWN = [name for name, entry in CATALOGUE.items() if entry.draw]
 OF_PIXELS = {"densities"}
 TEXT_SIZES = {8.0, 5.6}  # text, and the indices in it
 
@@ -63,7 +65,7 @@ def test_the_same_input_gives_the_same_bytes(name, material, folder) -> None:
         assert data == (folder / f"{name}.{suffix}").read_bytes(), suffix
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", DRAWN)
 def test_a_pdf_has_the_width_of_its_style_and_embeds_truetype_of_8_points(name, folder) -> None:
     pdf = (folder / f"{name}.pdf").read_bytes()
     left, bottom, width, height = page_box(pdf)
@@ -76,7 +78,7 @@ def test_a_pdf_has_the_width_of_its_style_and_embeds_truetype_of_8_points(name, 
     assert b"CreationDate" not in objects(pdf)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", DRAWN)
 def test_only_densities_have_pixels(name, folder) -> None:
     pdf = (folder / f"{name}.pdf").read_bytes()
     assert (b"/Subtype /Image" in pdf) == (name in OF_PIXELS)
@@ -85,7 +87,7 @@ def test_only_densities_have_pixels(name, folder) -> None:
     assert "<dc:date>" not in svg
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", DRAWN)
 def test_a_png_has_300_dots_per_inch(name, folder) -> None:
     png = (folder / f"{name}.png").read_bytes()
     assert int.from_bytes(png[16:20], "big") == round(CATALOGUE[name].width * 300)
@@ -93,7 +95,7 @@ def test_a_png_has_300_dots_per_inch(name, folder) -> None:
 
 
 @pytest.mark.parametrize("style", WIDTHS)
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", DRAWN)
 def test_text_is_readable_in_both_widths(name, style, material) -> None:
     figure = CATALOGUE[name].figure(material, WIDTHS[style])
     assert figure.get_figwidth() == WIDTHS[style]
@@ -110,6 +112,12 @@ def test_text_is_readable_in_both_widths(name, style, material) -> None:
     upright = [(text, box) for text, box in zip(written, boxes, strict=True) if text.get_rotation() % 90 == 0]
     for (one, box), (other, its) in combinations(upright, 2):
         assert not box.shrunk(0.9, 0.9).overlaps(its.shrunk(0.9, 0.9)), (one.get_text(), other.get_text())
+
+
+def test_a_table_of_text_is_not_drawn(material) -> None:
+    with pytest.raises(ValueError, match="attributes is a table of text"):
+        CATALOGUE["attributes"].figure(material)
+    assert CATALOGUE["attributes"].formats == ("tex", "md", "html")
 
 
 def test_names_numbers_and_captions_are_those_of_the_paper() -> None:
@@ -133,7 +141,7 @@ def test_the_page_on_figures_says_for_each_how_to_make_it_and_what_makes_it() ->
         entry = CATALOGUE[name]
         assert paper == (entry.paper or "none")
         module = importlib.import_module(path.removesuffix(".py").replace("/", "."))
-        assert getattr(module, function) is entry.draw
+        assert getattr(module, function) is (entry.draw or table_latex)
     others = re.findall(
         r"^\| [^|`]+ \| `emovid figures ([a-z-]+)[^`]*` \| `([^`]+)`: `([^`]+)` \|$", page, re.MULTILINE
     )

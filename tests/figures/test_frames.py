@@ -7,9 +7,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from matplotlib.text import Text
 
-from emovid.figures.frames import frames_figure, traces_figure
+from emovid.figures.runs import frames_figure, traces_figure
+from emovid.figures.stage_panels import trail_pieces
 from emovid.figures.style import DOUBLE_COLUMN, SINGLE_COLUMN
-from emovid.figures.top_view import slices
 from emovid.scene.video import THEMES
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
@@ -63,20 +63,20 @@ def test_five_robots_have_trails_from_their_starts_to_where_they_are(run) -> Non
         assert np.array([line[-1] for line in lines[-5:]]) == pytest.approx(ends)
 
 
-def test_slices_joined_are_the_trace_of_the_robot(run) -> None:
+def test_pieces_joined_are_the_trace_of_the_robot(run) -> None:
     _, trace = run.trace(4, 1e-5)
-    joined = np.concatenate(slices(run, [4], 0, 3, 1e-5))
+    joined = np.concatenate([piece.line for piece in trail_pieces(run, [4], 0, 3, 1e-5)])
     assert all(np.abs(joined - point).sum(axis=1).min() < 1e-12 for point in trace)
     length = np.hypot(*np.diff(trace, axis=0).T).sum()
     assert np.hypot(*np.diff(joined, axis=0).T).sum() == pytest.approx(length, rel=1e-3)
-    part_of_it = np.concatenate(slices(run, [4], 0.4, 1.3, 1e-5))
+    part_of_it = np.concatenate([piece.line for piece in trail_pieces(run, [4], 0.4, 1.3, 1e-5)])
     assert part_of_it[[0, -1]] == pytest.approx(run.at(np.array([0.4, 1.3]))[:, 4, :2])
 
 
-def test_slices_hold_no_point_twice(run) -> None:
-    # Commands of fear change at whole seconds, where slices end; the last point but one says where a line comes from.
-    for line in slices(run, [0, 7], 0.0, 2.75, 1e-4):
-        assert np.hypot(*np.diff(line, axis=0).T).min() > 1e-9
+def test_pieces_hold_no_point_twice(run) -> None:
+    # Commands of fear change at whole seconds, where pieces end; the last point but one says where a line comes from.
+    for piece in trail_pieces(run, [0, 7], 0.0, 2.75, 1e-4):
+        assert np.hypot(*np.diff(piece.line, axis=0).T).min() > 1e-9
 
 
 def test_times_are_written_to_the_millisecond(run) -> None:

@@ -8,8 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from matplotlib.text import Text
 
-from emovid.figures.frames import frames_figure
-from emovid.figures.robotarium import OVERHEAD_VIDEOS, PERSPECTIVE_VIDEOS, overhead_figure, perspective_figure
+from emovid.figures.runs import OVERHEAD_VIDEOS, PERSPECTIVE_VIDEOS, frames_figure, overhead_figure, perspective_figure
 from emovid.scene.emotions import EMOTIONS
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory

@@ -95,6 +95,8 @@ def make() -> None:
         old.unlink()
     material = GoldenMaterial(fresh=True)
     for entry in CATALOGUE.values():
+        if entry.draw is None:
+            continue
         Image.fromarray(small(entry, material)).save(image_of(entry.name), optimize=True)
         print(image_of(entry.name).relative_to(FOLDER.parent))
 

@@ -1,18 +1,26 @@
-"""Tables I and II of the paper as data, each cell with its source.
+"""Tables I and II of the paper: their contents with sources, as LaTeX (booktabs), Markdown and HTML.
 
 Facts and sources are those of M. Santos and M. Egerstedt, "From Motions to Emotions: Can the Fundamental Emotions be
 Expressed in a Robot Swarm?", Int. J. Social Robotics 2021, doi 10.1007/s12369-020-00665-6.
 """
 
+from collections.abc import Iterable, Sequence
+from html import escape
 from typing import NamedTuple
 
+from emovid.figures.style import heading
 from emovid.scene.emotions import EMOTIONS
 
 PAPER = "Santos2021"
+_MARKS = ("†", "‡", "§")
+_LATEX_MARKS = (r"\textsuperscript{\dag}", r"\textsuperscript{\ddag}", r"\textsuperscript{\S}")
+_LATEX_ESCAPES = str.maketrans(
+    {c: f"\\{c}" for c in "&%$#_{}"} | {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}"}
+)
 
 
 class Source(NamedTuple):
-    """A publication: how it is named in a text, and in full."""
+    """A publication: its short name and its full reference."""
 
     name: str
     full: str
@@ -22,10 +30,10 @@ class Cell(NamedTuple):
     """An entry of a table.
 
     Attributes:
-        text: what it says; empty where the paper says nothing.
-        sources: keys of `SOURCES`, those of the paper's bibliography.
-        place: where in the source, as in "Sec. III-A".
-        note: of the table, by its number from 1; 0 for none.
+        text: empty where the paper says nothing.
+        sources: keys of `SOURCES`, as in the paper's bibliography.
+        place: in the source, for example "Sec. III-A".
+        note: number of a note of the table, from 1; 0 for none.
     """
 
     text: str = ""
@@ -38,9 +46,9 @@ class Table(NamedTuple):
     """A table.
 
     Attributes:
-        columns: headings, the first over the names of the rows.
-        groups: rows (name, cells) under a heading each; an empty heading is not shown.
-        notes: under the table.
+        columns: headings; the first one is over the names of the rows.
+        groups: headings of groups and their rows (name, cells); an empty heading is not shown.
+        notes: below the table.
     """
 
     columns: tuple[str, ...]
@@ -126,7 +134,7 @@ ATTRIBUTES = Table(
     ),
 )
 
-# Where Appendix A gives the law of each.
+# Sections of Appendix A with the law of each emotion.
 _APPENDIX = {"happiness": "A-A", "surprise": "A-B", "sadness": "A-C", "fear": "A-D", "disgust": "A-D", "anger": "A-D"}
 
 BEHAVIOURS = Table(
@@ -150,13 +158,95 @@ BEHAVIOURS = Table(
 
 
 def cited(table: Table) -> dict[str, Source]:
-    """Return the sources that a table names, by key."""
+    """Return the sources of a table by key."""
     keys = {key for _, rows in table.groups for _, cells in rows for cell in cells for key in cell.sources}
     return {key: source for key, source in SOURCES.items() if key in keys}
 
 
 def named(cell: Cell) -> str:
-    """Return the source of a cell in words: its name, or the place if that is in the paper itself."""
+    """Return the source of a cell in words: its name, or for the paper itself only the place in it."""
     if cell.sources == (PAPER,):
         return cell.place
     return "; ".join(SOURCES[key].name for key in cell.sources)
+
+
+def table_latex(table: Table) -> str:
+    r"""Return a table as LaTeX for the booktabs package, with `\cite` for sources and their references in comments."""
+    columns = len(table.columns)
+    lines = [
+        rf"\begin{{tabular}}{{{'l' * columns}}}",
+        r"  \toprule",
+        "  " + " & ".join(map(_escaped, table.columns)) + r" \\",
+    ]
+    for title, rows in table.groups:
+        lines.append(r"  \midrule")
+        if title:
+            lines.append(rf"  \multicolumn{{{columns}}}{{l}}{{\emph{{{_escaped(title)}}}}} \\")
+        for name, cells in rows:
+            lines.append("  " + " & ".join([_escaped(heading(name)), *map(_latex_cell, cells)]).rstrip() + r" \\")
+    lines.append(r"  \bottomrule")
+    for mark, note in zip(_LATEX_MARKS, table.notes, strict=False):
+        lines.append(rf"  \multicolumn{{{columns}}}{{l}}{{{mark} {_escaped(note)}}} \\")
+    lines.append(r"\end{tabular}")
+    lines += [f"% {key}: {source.full}" for key, source in cited(table).items()]
+    return "\n".join(lines) + "\n"
+
+
+def table_markdown(table: Table) -> str:
+    """Return a table as Markdown, each cell with its source in brackets, and the references below it."""
+    lines = ["| " + " | ".join(table.columns) + " |", "|---" * len(table.columns) + "|"]
+    for title, rows in table.groups:
+        if title:
+            lines.append(f"| *{title}* |" + " |" * (len(table.columns) - 1))
+        for name, cells in rows:
+            lines.append("| " + " | ".join([heading(name), *map(_markdown_cell, cells)]) + " |")
+    lines += [line for mark, note in zip(_MARKS, table.notes, strict=False) for line in ("", f"{mark} {note}")]
+    lines += ["", *(f"- {source.name}: {source.full}." for source in cited(table).values())]
+    return "\n".join(lines) + "\n"
+
+
+def table_html(table: Table) -> str:
+    """Return a table as HTML, each cell over its source, and the notes under it."""
+    lines = ["<table>", "<thead>", _html_row(_html_head(name, "col") for name in table.columns), "</thead>"]
+    for title, rows in table.groups:
+        lines.append("<tbody>")
+        if title:
+            lines.append(_html_row([f'<th colspan="{len(table.columns)}" scope="rowgroup">{escape(title)}</th>']))
+        lines += [_html_row([_html_head(heading(name), "row"), *map(_html_cell, cells)]) for name, cells in rows]
+        lines.append("</tbody>")
+    lines.append("</table>")
+    lines += [f"<p>{mark} {escape(note)}</p>" for mark, note in zip(_MARKS, table.notes, strict=False)]
+    return "\n".join(lines) + "\n"
+
+
+def _marked(cell: Cell, marks: Sequence[str]) -> str:
+    return cell.text + (marks[cell.note - 1] if cell.note else "")
+
+
+def _latex_cell(cell: Cell) -> str:
+    if not cell.text:
+        return ""
+    text = _escaped(cell.text) + (_LATEX_MARKS[cell.note - 1] if cell.note else "")
+    place = f"[{_escaped(cell.place)}]" if cell.place else ""
+    return rf"{text} \cite{place}{{{','.join(cell.sources)}}}"
+
+
+def _markdown_cell(cell: Cell) -> str:
+    return f"{_marked(cell, _MARKS)} ({named(cell)})" if cell.text else ""
+
+
+def _escaped(text: str) -> str:
+    return text.translate(_LATEX_ESCAPES)
+
+
+def _html_row(cells: Iterable[str]) -> str:
+    return f"<tr>{''.join(cells)}</tr>"
+
+
+def _html_head(text: str, scope: str) -> str:
+    return f'<th scope="{scope}">{escape(text)}</th>'
+
+
+def _html_cell(cell: Cell) -> str:
+    source = f"<br><small>{escape(named(cell))}</small>" if cell.text else ""
+    return f"<td>{escape(_marked(cell, _MARKS))}{source}</td>"
