@@ -10,13 +10,15 @@ import socket
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
 from typing import IO
 
 from emovid.errors import EmovidError, reason
 
 _SUFFIX = ".part"
-_LEFT = re.compile(r"\..+\.[^.].*-\d+\.part(\.former\.part)?")  # .NAME.HOST-PID.part
+_LEFT = re.compile(r"\..+\.[^.].*-\d+\.part(\.former\.part)?")  # .NAME.OWNER.part
+_OWNER = re.compile(r"\.([0-9a-f]{12})-(\d+)-(\d+)\.(?!.*-\d+\.)")  # the last part of a name that is an owner
 _DAY = 86_400  # seconds
 _REMEDIES = {
     errno.ENOSPC: "free some space",
@@ -121,17 +123,37 @@ def clear_leftovers(folder: Path) -> None:
 
 
 def is_written(left: Path) -> bool:
-    """Return whether the process that a hidden file is named after, as ``.NAME.HOST-PID.SUFFIX``, may still write it.
+    """Return whether the owner of a hidden file, as in ``.NAME.OWNER.SUFFIX``, may still write it.
 
-    Whether a process of another machine lives cannot be seen from here: it does if it has written within a day.
+    This process cannot see the processes of other machines and containers: they count as alive for a day after the file
+    changed.
     """
-    _, ours, rest = left.name.rpartition(f".{socket.gethostname()}-")
-    if ours:
-        return _is_alive(rest.partition(".")[0])
+    found = _OWNER.search(left.name)
+    if found and found[1] == _process_space():
+        return _is_alive(int(found[2]), int(found[3]))
     try:
         return time.time() - left.stat().st_mtime < _DAY
-    except OSError:  # it has just become what it was to be
+    except OSError:  # the file has just been renamed
         return True
+
+
+def owner(pid: int | None = None) -> str:
+    """Return a name for a process, by default this one, that no process of another machine, container or time has.
+
+    The name has three parts: a digest of host, boot and process namespace, the process number, and the start time.
+    """
+    number = os.getpid() if pid is None else pid
+    return f"{_process_space()}-{number}-{(_process_state(number) or ('', 0))[1]}"
+
+
+@cache
+def _process_space() -> str:
+    """Return a digest of all that makes process numbers unique: the machine, its boot and the process namespace."""
+    known = [socket.gethostname()]
+    with suppress(OSError):  # a system without /proc
+        known.append(Path("/proc/sys/kernel/random/boot_id").read_text())
+        known.append(str(Path("/proc/self/ns/pid").stat().st_ino))
+    return hashlib.sha256("\n".join(known).encode()).hexdigest()[:12]
 
 
 def cause(number: int) -> str:
@@ -146,11 +168,12 @@ def not_written(target: Path, error: OSError, how: str = "written") -> EmovidErr
 
 def _part_beside(target: Path) -> Path:
     """Return the path to write at in place of `target`, after removing what killed processes have left there."""
-    stem = f".{target.name}.{socket.gethostname()}-"
-    part = target.with_name(f"{stem}{os.getpid()}{_SUFFIX}")
+    stem = f".{target.name}."
     for left in target.parent.glob(f"{glob.escape(stem)}*{_SUFFIX}"):
-        if left == part or not is_written(left):  # ours is of a process that had our number before
+        if _LEFT.fullmatch(left.name) and not is_written(left):
             _remove(left)
+    part = target.with_name(f"{stem}{owner()}{_SUFFIX}")
+    _remove(part)
     return part
 
 
@@ -159,14 +182,25 @@ def _remove(path: Path) -> None:
         shutil.rmtree(path) if path.is_dir() else path.unlink(missing_ok=True)
 
 
-def _is_alive(pid: str) -> bool:
+def _is_alive(pid: int, start: int) -> bool:
+    """Return whether a process of this machine that started at a time, in ticks since boot, still runs."""
     try:
-        os.kill(int(pid), 0)
-    except (ProcessLookupError, ValueError, OverflowError):
+        os.kill(pid, 0)
+    except (ProcessLookupError, OverflowError):
         return False
-    except PermissionError:  # it is another user's
-        return True
-    try:  # one that has ended but was not waited for still has its number
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except (OSError, IndexError):  # ended meanwhile, or a system without /proc
-        return True
+    except PermissionError:  # it belongs to another user
+        pass
+    known = _process_state(pid)
+    # A process that has ended but was not waited for still has its number.
+    return known is None or (known[0] != "Z" and start in (0, known[1]))
+
+
+def _process_state(pid: int) -> tuple[str, int] | None:
+    """Return the state and the start time of a process; None on a system without a /proc of this namespace."""
+    try:
+        if str(Path("/proc/self").readlink()) != str(os.getpid()):
+            return None
+        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+        return fields[0], int(fields[19])
+    except (OSError, IndexError, ValueError):
+        return None

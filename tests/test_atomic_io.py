@@ -1,7 +1,6 @@
 """Files that are whole or not there: what is left of others, what is left alone, and what cannot be written."""
 
 import os
-import socket
 import time
 from pathlib import Path
 
@@ -17,18 +16,16 @@ from emovid.atomic_io import (
     writing,
 )
 from emovid.errors import EmovidError
-
-HOST = socket.gethostname()
-NOBODY = 999_999_999  # no process has this number
+from tests.helpers.owners import DEAD, ELSEWHERE, PARENT, former
 
 
 def names(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
-def test_what_a_killed_process_with_our_number_left_is_cleared(tmp_path) -> None:
-    # In a container, the number of a killed command and that of the next one are often the same.
-    left = tmp_path / f".x.{HOST}-{os.getpid()}.part"
+def test_leftovers_of_a_dead_process_with_our_number_are_removed(tmp_path) -> None:
+    # In a container, a killed command and the next one often have the same number.
+    left = tmp_path / f".x.{former()}.part"
     left.mkdir()
     (left / "old").touch()
     with whole_folder(tmp_path / "x") as part:
@@ -37,25 +34,26 @@ def test_what_a_killed_process_with_our_number_left_is_cleared(tmp_path) -> None
     assert names(tmp_path / "x") == ["new"]
 
 
-@pytest.mark.parametrize("number", [NOBODY, 10**30])
-def test_what_dead_processes_left_is_cleared_and_nothing_else(tmp_path, number) -> None:
-    (tmp_path / f".x.mp4.{HOST}-{number}.part").touch()
-    (tmp_path / f".frames.{HOST}-{number}.part").mkdir()
-    kept = [f".x.mp4.{HOST}-{os.getppid()}.part", ".hidden.part", "x.part", f".x.mp4.{HOST}-{number}.txt"]
+@pytest.mark.parametrize("dead", [DEAD, DEAD.replace("999999999", str(10**30))])
+def test_only_leftovers_of_dead_processes_are_removed(tmp_path, dead) -> None:
+    (tmp_path / f".x.mp4.{dead}.part").touch()
+    (tmp_path / f".frames.{dead}.part").mkdir()
+    kept = [f".x.mp4.{PARENT}.part", f".x.{ELSEWHERE}.part", ".hidden.part", "x.part", f".x.mp4.{dead}.txt"]
     for name in kept:
         (tmp_path / name).touch()
     clear_leftovers(tmp_path)
     assert names(tmp_path) == sorted(kept)
 
 
-def test_another_machine_s_file_is_written_as_long_as_it_is_of_today(tmp_path) -> None:
-    file = tmp_path / ".x.mp4.elsewhere-1.part"
+@pytest.mark.parametrize("owner", [ELSEWHERE, "a-host-17"])  # the second as 0.1.0 wrote it
+def test_a_file_of_another_machine_counts_as_unfinished_for_a_day(tmp_path, owner) -> None:
+    file = tmp_path / f".x.mp4.{owner}.part"
     file.touch()
     assert is_written(file)
     os.utime(file, (time.time() - 90_000,) * 2)
     assert not is_written(file)
     file.unlink()
-    assert is_written(file)  # it has become what it was to be
+    assert is_written(file)  # it has just been renamed
 
 
 def test_a_file_is_left_as_it_is_if_it_says_this_already(tmp_path) -> None:
@@ -106,16 +104,16 @@ def test_a_process_of_another_user_is_alive(tmp_path, monkeypatch) -> None:
         raise PermissionError
 
     monkeypatch.setattr(os, "kill", refuse)
-    assert is_written(tmp_path / f".x.{HOST}-1.part")
+    assert is_written(tmp_path / f".x.{PARENT}.part")
 
 
-def test_a_process_lives_on_a_system_without_proc(tmp_path, monkeypatch) -> None:
+def test_a_process_is_found_on_a_system_without_proc(tmp_path, monkeypatch) -> None:
     def missing(path: Path) -> str:
         raise FileNotFoundError
 
-    assert is_written(tmp_path / f".x.{HOST}-{os.getppid()}.part")
+    assert is_written(tmp_path / f".x.{PARENT}.part")
     monkeypatch.setattr(Path, "read_text", missing)
-    assert is_written(tmp_path / f".x.{HOST}-{os.getppid()}.part")
+    assert is_written(tmp_path / f".x.{PARENT}.part")
 
 
 def test_the_digest_of_a_folder_is_of_names_and_contents(tmp_path) -> None:

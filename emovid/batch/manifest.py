@@ -9,14 +9,13 @@ import errno
 import fcntl
 import json
 import os
-import socket
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Any, Self
 
-from emovid.atomic_io import is_written, not_written, writing
+from emovid.atomic_io import is_written, not_written, owner, writing
 from emovid.batch.job import Record, RecordKind
 from emovid.errors import EmovidError
 
@@ -56,7 +55,7 @@ class Journal:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.records = read_manifest(folder)
-        self._path = folder / f".{NAME}.{socket.gethostname()}-{os.getpid()}.journal"
+        self._path = folder / f".{NAME}.{owner()}.journal"
         self._file: IO[bytes] | None = None
 
     def add(self, name: str, record: Record) -> None:
@@ -67,7 +66,7 @@ class Journal:
         """
         try:
             self._file = self._file or self._path.open("ab", buffering=0)
-            # The line break in front ends a half-written line that a dead process with our number may have left.
+            # The line break in front ends a half-written line that an interrupted write may have left.
             line = b"\n" + json.dumps([name, record.to_json()]).encode() + b"\n"
             if self._file.write(line) < len(line):
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))

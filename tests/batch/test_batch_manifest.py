@@ -4,18 +4,21 @@ import io
 import json
 import multiprocessing
 import os
-import socket
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from emovid.atomic_io import owner
 from emovid.batch.job import Record
 from emovid.batch.manifest import Journal, merge_journals, read_manifest
 from emovid.errors import EmovidError
+from tests.helpers.containers import UNSHARE, unshare_works
+from tests.helpers.owners import DEAD, ELSEWHERE, PARENT, former
 
-HOST = socket.gethostname()
 MEASURED = Record("measure", descriptors={"speed_mean": 0.1, "cost": None})
 
 
@@ -27,7 +30,7 @@ def hidden(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir() if path.name.startswith("."))
 
 
-def leave_journal(folder: Path, text: str, owner: str = f"{HOST}-999999999") -> Path:
+def leave_journal(folder: Path, text: str, owner: str = DEAD) -> Path:
     path = folder / f".manifest.json.{owner}.journal"
     path.write_text(text)
     return path
@@ -67,7 +70,7 @@ def test_a_killed_run_loses_at_most_the_line_it_was_writing(tmp_path_factory, ke
 def test_a_dead_run_with_the_same_process_number_loses_only_its_unfinished_line(tmp_path) -> None:
     # In a container, a killed command and the next one often have the same process number.
     first = line("a")
-    leave_journal(tmp_path, first + first[:9], f"{HOST}-{os.getpid()}")
+    leave_journal(tmp_path, first + first[:9], former())
     with Journal(tmp_path) as journal:
         journal.add("b", MEASURED)
         journal.add("c", MEASURED)
@@ -90,8 +93,8 @@ def test_the_section_of_a_record_is_its_kind(tmp_path) -> None:
 
 
 def test_the_journal_of_a_live_run_is_read_and_kept(tmp_path) -> None:
-    own = leave_journal(tmp_path, line("a"), f"{HOST}-{os.getppid()}")
-    far = leave_journal(tmp_path, line("b"), "elsewhere-1")
+    own = leave_journal(tmp_path, line("a"), PARENT)
+    far = leave_journal(tmp_path, line("b"), ELSEWHERE)
     merge_journals(tmp_path)
     assert own.exists()
     assert far.exists()
@@ -99,7 +102,7 @@ def test_the_journal_of_a_live_run_is_read_and_kept(tmp_path) -> None:
 
 
 def test_a_journal_of_another_machine_is_removed_after_a_day(tmp_path) -> None:
-    far = leave_journal(tmp_path, line("b"), "elsewhere-1")
+    far = leave_journal(tmp_path, line("b"), ELSEWHERE)
     os.utime(far, (0, 0))
     merge_journals(tmp_path)
     assert hidden(tmp_path) == []
@@ -130,7 +133,7 @@ def test_the_lock_of_a_killed_run_stops_no_other(tmp_path) -> None:
 
 
 def test_a_journal_that_cannot_be_written_is_an_error(tmp_path) -> None:
-    path = tmp_path / f".manifest.json.{HOST}-{os.getpid()}.journal"
+    path = tmp_path / f".manifest.json.{owner()}.journal"
     with Journal(tmp_path) as journal:
         path.symlink_to("/dev/full")
         with pytest.raises(EmovidError, match=r"manifest\.json: cannot be written: no space left on device"):
@@ -157,7 +160,7 @@ def test_the_next_run_merges_the_journal_if_the_manifest_cannot_be_written(tmp_p
     with pytest.raises(ZeroDivisionError), Journal(tmp_path) as journal:  # an error that came first says more
         journal.add("b", Record("measure", samples=1 // 0))
     (tmp_path / "manifest.json").rmdir()
-    merge_journals(tmp_path, tmp_path / f".manifest.json.{HOST}-{os.getpid()}.journal")
+    merge_journals(tmp_path, tmp_path / f".manifest.json.{owner()}.journal")
     assert sorted(read_manifest(tmp_path)) == ["a"]
     assert hidden(tmp_path) == []
 
@@ -188,3 +191,20 @@ def test_runs_side_by_side_lose_nothing(tmp_path) -> None:
     assert len(read_manifest(tmp_path)) == 4 * 5 * 4
     assert len(json.loads((tmp_path / "manifest.json").read_text())["measurements"]) == 4 * 5 * 4
     assert hidden(tmp_path) == []
+
+
+@pytest.mark.skipif(not unshare_works(), reason="this machine allows no PID namespaces")
+def test_runs_in_containers_with_equal_process_numbers_lose_nothing(tmp_path) -> None:
+    script = (
+        "import sys; from pathlib import Path; from emovid.batch.job import Record;"
+        "from emovid.batch.manifest import Journal; folder, name = Path(sys.argv[1]), sys.argv[2]\n"
+        "with Journal(folder) as journal:\n"
+        "    for i in range(20): journal.add(f'{name}-{i}', Record('measure'))\n"
+        "    (folder / f'{name}.ready').touch()\n"
+        "    while len(list(folder.glob('*.ready'))) < 3: time.sleep(0.01)\n"
+    )
+    command = [*UNSHARE, sys.executable, "-c", f"import time; {script}", str(tmp_path)]
+    runs = [subprocess.Popen([*command, name]) for name in "abc"]
+    assert [run.wait(60) for run in runs] == [0, 0, 0]
+    merge_journals(tmp_path)
+    assert len(read_manifest(tmp_path)) == 60

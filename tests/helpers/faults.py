@@ -11,6 +11,7 @@ import time
 from contextlib import suppress
 
 from emovid.video import ffmpeg
+from tests.helpers.owners import DEAD
 from tests.helpers.trial import NAMES, SMALL, Fault, TooLateError, Trial, family
 
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
@@ -124,10 +125,9 @@ def _two_runs(trial: Trial) -> None:
 
 
 def _stale_files(trial: Trial) -> None:
-    host = os.uname().nodename
-    for name in (f".{NAMES[0]}.{host}-999999999.part", f".other.mp4.{host}-999999999.part"):
+    for name in (f".{NAMES[0]}.{DEAD}.part", f".other.mp4.{DEAD}.part"):
         (trial.folder / name).write_bytes(b"half")
-    (trial.folder / f".manifest.json.{host}-999999999.journal").write_text('["x", {"only": "vid')
+    (trial.folder / f".manifest.json.{DEAD}.journal").write_text('["x", {"only": "vid')
     (trial.folder / ".manifest.json.lock").write_bytes(b"")
     _in_peace(trial)
 

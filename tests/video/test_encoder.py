@@ -1,4 +1,3 @@
-import os
 import signal
 import stat
 import subprocess
@@ -10,12 +9,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from emovid.atomic_io import owner
 from emovid.errors import EmovidError, InputError, RenderError
 from emovid.video import ffmpeg
 from emovid.video.encoder import encoder_arguments, write_pictures, write_video
 from emovid.video.ffmpeg import count_frames
 from emovid.video.pixel_formats import Yuv420
 from tests.helpers.mp4 import decode
+from tests.helpers.owners import DEAD, PARENT
 
 SIZE = (96, 64)
 
@@ -200,14 +201,14 @@ def test_what_an_unwaited_process_left_is_cleared(tmp_path) -> None:
         while Path(f"/proc/{ended.pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z":
             assert time.monotonic() < deadline
             time.sleep(0.01)
-        (tmp_path / f".x.mp4.{os.uname().nodename}-{ended.pid}.part").write_bytes(b"")
+        (tmp_path / f".x.mp4.{owner(ended.pid)}.part").write_bytes(b"")
         write(tmp_path / "x.mp4")
         assert left(tmp_path) == ["x.mp4"]
 
 
 def test_names_that_look_like_patterns_are_names(tmp_path) -> None:
     target = tmp_path / "[a]*.mp4"
-    bystander = tmp_path / f".a.mp4.{os.uname().nodename}-999999999.part"
+    bystander = tmp_path / f".a.mp4.{DEAD}.part"
     bystander.write_bytes(b"")
     write(target)
     assert left(tmp_path) == sorted([bystander.name, target.name])
@@ -224,7 +225,7 @@ def test_a_file_or_its_folder_may_have_any_name(name, tmp_path, monkeypatch) -> 
 
 
 def test_what_a_living_process_writes_is_left_alone(tmp_path) -> None:
-    own = tmp_path / f".x.mp4.{os.uname().nodename}-{os.getppid()}.part"
+    own = tmp_path / f".x.mp4.{PARENT}.part"
     own.write_bytes(b"")
     write(tmp_path / "x.mp4")
     assert left(tmp_path) == [own.name, "x.mp4"]
@@ -313,7 +314,7 @@ def test_a_sequence_replaces_nothing_else(tmp_path, name, message) -> None:
 
 
 def test_what_a_killed_process_left_of_a_sequence_is_cleared(tmp_path) -> None:
-    stale = tmp_path / f".x.{os.uname().nodename}-999999999.part"
+    stale = tmp_path / f".x.{DEAD}.part"
     stale.mkdir()
     (stale / "00000.png").write_bytes(b"")
     write_sequence(tmp_path / "x", 2)
