@@ -135,7 +135,7 @@ def _show(results: Mapping[str, Any], responses: "Responses | None", output: Pat
     from rich.console import Console
     from rich.table import Table
 
-    from emovid.cli.tables import show_table
+    from emovid.cli.terminal import show_table
 
     console = Console(highlight=False, markup=False)
     say = partial(console.print, soft_wrap=True)  # a line stays one line, however long its path

@@ -1,14 +1,15 @@
-"""`emovid doctor`: does everything work here, and what helps if not."""
+"""`emovid doctor`: check the installation."""
 
 import json
 from pathlib import Path
+from typing import Annotated
 
 import typer
 
-from emovid.cli.options import Json
+from emovid.workflows.doctor import checks
 
 
-def doctor(as_json: Json = False) -> None:
+def doctor(as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False) -> None:
     """Check this installation, and suggest a remedy for each problem.
 
     Checks packages, scenes, encoding in each format, fonts, folders, browser and extras; exit with 1 if a required
@@ -16,8 +17,6 @@ def doctor(as_json: Json = False) -> None:
 
     Examples: emovid doctor · emovid doctor --json
     """
-    from emovid.workflows.doctor import checks
-
     found = []
     for check in checks(Path.cwd()):
         found.append(check)
@@ -30,6 +29,6 @@ def doctor(as_json: Json = False) -> None:
     if as_json:
         typer.echo(json.dumps({"passed": not failed, "checks": [check._asdict() for check in found]}, indent=2))
     else:
-        typer.echo(f"{len(failed)} needed things fail" if failed else "all that is needed works")
+        typer.echo(f"{len(failed)} required checks fail" if failed else "all required checks pass")
     if failed:
         raise typer.Exit(1)

@@ -13,11 +13,11 @@ from rich.table import Table
 
 from emovid.cli import completion
 from emovid.cli.options import Force, Json, Quiet
-from emovid.cli.progress import counting
-from emovid.cli.tables import show_table
+from emovid.cli.terminal import counting, show_table
 from emovid.kit.audit import Audit
 from emovid.kit.audit import audit as audit_kit
 from emovid.kit.build import build as build_kit
+from emovid.kit.export import TOOLS
 from emovid.kit.export import export as export_kit
 from emovid.kit.folder import open_kit
 from emovid.kit.load import load_study, start_study
@@ -137,7 +137,7 @@ def export(
             "--to",
             metavar="TOOL",
             help="jspsych, psychopy, qualtrics, limesurvey, psych-ds, prereg, checklist.",
-            autocompletion=completion.tools,
+            autocompletion=completion.words(*TOOLS),
         ),
     ],
     output: Annotated[

@@ -29,10 +29,10 @@ class Entry(NamedTuple):
 
 COMMANDS = (
     Entry("render", "render:render", "Render scenes as videos; videos that are up to date are kept."),
-    Entry("preview", "preview:preview", "Show a scene at a glance: a small loop or a contact sheet, within seconds."),
-    Entry("simulate", "simulate:simulate", "Simulate a scene without drawing it."),
+    Entry("preview", "render:preview", "Show a scene at a glance: a small loop or a contact sheet, within seconds."),
+    Entry("simulate", "render:simulate", "Simulate a scene without drawing it."),
     Entry("measure", "measure:measure", "Measure how scenes move, and check the paper's claims about them."),
-    Entry("check-platform", "check_platform:check_platform", "Check whether a testbed can run a scene."),
+    Entry("check-platform", "platforms:check_platform", "Check whether a testbed can run a scene."),
     Entry("sweep", "sweep:sweep", "Make every missing or outdated item of a sweep, and a table of the results."),
     Entry("status", "status:status", "List what is missing, stale or corrupt in a folder of results."),
     Entry("verify", "status:verify", "Recompute the hashes of all files that a folder's manifest records."),
@@ -42,7 +42,7 @@ COMMANDS = (
 GROUPS = {
     "export": (
         "Export scenes to other platforms.",
-        (Entry("robotarium", "export:robotarium", "Write a scene as an experiment script for the Robotarium."),),
+        (Entry("robotarium", "platforms:robotarium", "Write a scene as an experiment script for the Robotarium."),),
     ),
     "scene": (
         "List, show, check, compare and create scenes.",

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from emovid.cli import completion
-from emovid.cli.options import Json, Platform, Quiet, Seed, Set, is_run, on_platform, settings
+from emovid.cli.options import Json, Platform, Quiet, Seed, Set, on_platform, settings
 from emovid.errors import InputError, nearest
+from emovid.measure.describe import DESCRIPTORS
 
 if TYPE_CHECKING:
     from emovid.measure.claims import Verdict
@@ -21,6 +22,12 @@ if TYPE_CHECKING:
     from emovid.swarm.trajectory import Trajectory
 
 _WIDEST = 16  # characters of a scene's name in a line of the table's head
+
+
+def _descriptors(incomplete: str) -> list[str]:
+    """Return the matching descriptors, after those that are typed already."""
+    before, comma, last = incomplete.rpartition(",")
+    return [f"{before}{comma}{name}" for name in completion.starting(last, DESCRIPTORS)]
 
 
 def measure(
@@ -42,7 +49,7 @@ def measure(
         typer.Option(
             help="Descriptors, or how names begin, with commas between, as in cusps,cost.",
             show_default="all",
-            autocompletion=completion.descriptors,
+            autocompletion=_descriptors,
         ),
     ] = None,
     platform: Platform = None,
@@ -59,7 +66,7 @@ def measure(
     Examples: emovid measure --all --gate · emovid measure my.yaml fear -o measure.csv
     · emovid measure fear.npz --only cusps,cost
     """
-    from emovid.cli.progress import listing
+    from emovid.cli.terminal import listing
     from emovid.measure.claims import excepted, judge
     from emovid.measure.describe import claim_metrics
     from emovid.scene.emotions import EMOTIONS
@@ -99,8 +106,6 @@ def measure(
 
 def _chosen(only: str | None) -> list[str]:
     """Return the descriptors that are meant by names and beginnings of names with commas between, in their order."""
-    from emovid.measure.describe import DESCRIPTORS
-
     if only is None:
         return list(DESCRIPTORS)
     words = [word.strip() for word in only.split(",")]
@@ -119,7 +124,7 @@ class _Run(NamedTuple):
 def _run_of(source: str, overrides: "Sequence[Setting]") -> _Run:
     """Return a scene and its run, which is made when it is asked for; all that can be wrong with it is found here."""
     from emovid.scene.load import load_scene
-    from emovid.swarm.files import load_trajectory
+    from emovid.swarm.files import is_run, load_trajectory
     from emovid.swarm.simulate import check_start, simulate
 
     if is_run(source):
@@ -133,7 +138,6 @@ def _run_of(source: str, overrides: "Sequence[Setting]") -> _Run:
 def _write_csv(scenes: Mapping[str, Mapping[str, float]], target: Path) -> None:
     """Write one row for each scene and descriptor; a value that does not exist is an empty cell."""
     from emovid.atomic_io import make_folder, writing
-    from emovid.measure.describe import DESCRIPTORS
 
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
@@ -173,7 +177,7 @@ def _show(scenes: Mapping[str, Mapping[str, float]]) -> None:
     from rich import box
     from rich.table import Table
 
-    from emovid.cli.tables import show_table
+    from emovid.cli.terminal import show_table
     from emovid.measure.describe import FAMILIES
 
     table = Table("descriptor", "unit", box=box.SIMPLE, padding=(0, 1, 0, 0))

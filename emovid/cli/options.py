@@ -1,16 +1,15 @@
-"""Options that several commands share, and the scene settings they make."""
+"""Options that several commands share, and the scenes, settings and files they stand for."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from emovid.cli import completion
 from emovid.errors import InputError, nearest
-
-if TYPE_CHECKING:
-    from emovid.scene.load import Setting
+from emovid.scene.emotions import EMOTIONS, PLATFORMS
+from emovid.scene.load import Setting
 
 Source = Annotated[
     str | None,
@@ -42,9 +41,9 @@ Set = Annotated[
     ),
 ]
 Seed = Annotated[int | None, typer.Option("--seed", help="Replace the scene's seed.", show_default=False)]
-RandomSeed = Annotated[int, typer.Option("--seed", min=0, help="Of all that is random here.")]
+RandomSeed = Annotated[int, typer.Option("--seed", min=0, help="Random seed.")]
 Jobs = Annotated[
-    int | None, typer.Option("--jobs", "-j", min=1, help="How many are made at once.", show_default="one a core")
+    int | None, typer.Option("--jobs", "-j", min=1, help="Parallel processes.", show_default="one per core")
 ]
 View = Annotated[
     str | None,
@@ -61,18 +60,16 @@ Platform = Annotated[
         "-p",
         help="Scenes for a testbed: robotarium or robotarium-today.",
         show_default="simulation",
-        autocompletion=completion.words("robotarium", "robotarium-today"),
+        autocompletion=completion.words(*PLATFORMS),
     ),
 ]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
-Force = Annotated[bool, typer.Option("--force", "-f", help="Make it again, whatever is there.")]
+Force = Annotated[bool, typer.Option("--force", "-f", help="Overwrite existing results.")]
 
 
 def one_source(source: str | None, emotion: str | None) -> str:
-    """Return the scene that is meant, given as an argument or by `--emotion`."""
-    from emovid.scene.emotions import EMOTIONS
-
+    """Return the requested scene, given as an argument or by `--emotion`."""
     if (source is None) == (emotion is None):
         raise InputError("expected one scene: a file, or --emotion and one of " + ", ".join(EMOTIONS))
     if emotion is not None:
@@ -82,16 +79,12 @@ def one_source(source: str | None, emotion: str | None) -> str:
 
 def check_emotion(emotion: str) -> None:
     """Raise an `InputError` unless `emotion` is one of the six."""
-    from emovid.scene.emotions import EMOTIONS
-
     if emotion not in EMOTIONS:
         raise InputError(f"--emotion {emotion}: expected one of {', '.join(EMOTIONS)}{nearest(emotion, EMOTIONS)}")
 
 
 def checked_platform(platform: str) -> str:
-    """Return the platform, or raise an `InputError` for one that is none of ours."""
-    from emovid.scene.emotions import PLATFORMS
-
+    """Return the platform, or raise an `InputError` for an unknown one."""
     if platform not in PLATFORMS:
         expected = f"expected {' or '.join(PLATFORMS)}{nearest(platform, PLATFORMS)}"
         raise InputError(f"--platform {platform}: {expected}")
@@ -99,9 +92,7 @@ def checked_platform(platform: str) -> str:
 
 
 def on_platform(source: str, platform: str | None) -> str:
-    """Return the name of an emotion's scene for a platform; without a platform, the source as it is."""
-    from emovid.scene.emotions import EMOTIONS
-
+    """Return the name of an emotion's scene for a platform; without a platform, the source unchanged."""
     if platform is None:
         return source
     checked_platform(platform)
@@ -111,17 +102,15 @@ def on_platform(source: str, platform: str | None) -> str:
 
 
 def settings(
-    pairs: Sequence[str] | None, seed: int | None = None, look: Mapping[str, object] | None = None
-) -> "list[Setting]":
-    """Return the keys that options replace, the special ones last.
+    pairs: Sequence[str] | None, seed: int | None = None, look: Mapping[str, str | int | None] | None = None
+) -> list[Setting]:
+    """Return the keys of the scene that options replace, in the order in which they apply.
 
     Args:
-        pairs: as given to `--set`.
+        pairs: the values of `--set`.
         seed: of the scene.
-        look: keys of `video` that have an option of their own, with its value; None is not given.
+        look: keys of `video` that have an option of their own, with their values; None for an option not given.
     """
-    from emovid.scene.load import Setting
-
     made = []
     for pair in pairs or ():
         key, equals, value = pair.partition("=")
@@ -136,19 +125,14 @@ def settings(
     return made
 
 
-def is_run(source: str) -> bool:
-    """Return whether a source is a finished run, by its name."""
-    return source.lower().endswith(".npz")
-
-
 def check_file(file: Path, given: str) -> None:
     """Raise an `InputError` if a file to write, `given` as in ``-o x.csv``, is a folder."""
     if file.is_dir():
         raise InputError(f"{given}: is a folder; expected a file")
 
 
-def refuse_beside(option: str, others: Mapping[str, object]) -> None:
-    """Raise an `InputError` if one of the `others`, which say nothing beside an option, is given all the same."""
+def refuse_beside(option: str, others: Mapping[str, Path | float | str | Sequence[str] | None]) -> None:
+    """Raise an `InputError` if one of the `others`, which have no effect beside an option, is given."""
     for name, value in others.items():
         if value not in (None, []):
             raise InputError(f"{option}: expected no {name} beside it")
@@ -157,14 +141,14 @@ def refuse_beside(option: str, others: Mapping[str, object]) -> None:
 def output_file(
     output: Path | None, name: str, default: str, suffixes: Sequence[str], others: Sequence[str] = ()
 ) -> Path:
-    """Return the file an `-o` means: itself if it ends in one of `suffixes`, else `name` in that folder.
+    """Return the file that `-o` names: itself if it ends in one of `suffixes`, else `name` in that folder.
 
     Args:
         output: as given.
         name: of the file, with its suffix.
-        default: the folder if nothing was given.
-        suffixes: of the files we can write.
-        others: suffixes that clearly mean a file, but one we cannot write.
+        default: the folder without `-o`.
+        suffixes: of the files that can be written.
+        others: suffixes that name a file of a kind that cannot be written.
     """
     chosen = output or Path(default)
     expected = f"{' or '.join(suffixes)}, or a folder" if suffixes else "a folder"

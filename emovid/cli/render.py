@@ -1,15 +1,17 @@
-"""`emovid render`: scenes, or finished runs, to videos."""
+"""`emovid render`, `preview` and `simulate`: scenes to videos, previews and trajectories."""
 
 import json
-import os
-from collections.abc import Iterator, Sequence
+import sys
+import time
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from emovid.atomic_io import make_folder
+from emovid.batch.order import write_presentation_order
 from emovid.cli import completion
-from emovid.cli.failures import raise_failures
 from emovid.cli.options import (
     Emotion,
     Force,
@@ -19,30 +21,26 @@ from emovid.cli.options import (
     Quiet,
     Seed,
     Set,
+    Source,
     View,
-    is_run,
     on_platform,
     one_source,
     output_file,
     settings,
 )
-from emovid.errors import InputError
+from emovid.cli.terminal import counting, raise_failures, reporter
+from emovid.errors import InputError, nearest
+from emovid.scene.emotions import EMOTIONS
+from emovid.scene.load import Setting, find_scene, load_scene
+from emovid.swarm.files import SUFFIXES, save_trajectory
+from emovid.swarm.simulate import check_start
+from emovid.swarm.simulate import simulate as simulate_scene
+from emovid.video.encoder import FORMATS, check_sequence
+from emovid.workflows import rendering
+from emovid.workflows.preview import SHEET, make_when_saved, write_preview
 
-if TYPE_CHECKING:
-    from emovid.batch.job import Job
-    from emovid.scene.load import Setting
-    from emovid.scene.video import FormatName
-
-FOLDER = "videos"
-_NAMED = 3  # keys that a video differs in from the one that it replaces
-_OTHER_VIDEOS = (".mov", ".mkv", ".avi", ".m4v", ".png", ".apng", ".webp")
-
-Output = Annotated[
-    Path | None,
-    typer.Option(
-        "--output", "-o", help="A folder, made if missing, or a file in .mp4, .webm or .gif.", show_default=FOLDER
-    ),
-]
+_PREVIEWS = ".gif", ".webm", ".mp4", SHEET
+_PREVIEW_FORMATS = tuple(suffix.removeprefix(".") for suffix in _PREVIEWS)
 
 
 def render(
@@ -59,20 +57,30 @@ def render(
     every: Annotated[
         bool, typer.Option("--all", "-a", help="All six emotions, and a random order to show them in.")
     ] = False,
-    output: Output = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="A folder, created if missing, or a file in .mp4, .webm or .gif.",
+            show_default=str(rendering.FOLDER),
+        ),
+    ] = None,
     assignments: Set = None,
     platform: Platform = None,
     seed: Seed = None,
     size: Annotated[
         str | None, typer.Option(metavar="WxH", help="Pixels, as in 1920x1080.", show_default=False)
     ] = None,
-    fps: Annotated[int | None, typer.Option(help="Frames per second; the motion stays.", show_default=False)] = None,
+    fps: Annotated[
+        int | None, typer.Option(help="Frames per second; the motion does not change.", show_default=False)
+    ] = None,
     format: Annotated[
         str | None,
         typer.Option(
             help="mp4, webm, gif, or png-sequence: a folder of pictures.",
             show_default="as -o ends, or mp4",
-            autocompletion=completion.words("mp4", "webm", "gif", "png-sequence"),
+            autocompletion=completion.words(*FORMATS),
         ),
     ] = None,
     theme: Annotated[
@@ -98,38 +106,19 @@ def render(
 
     Examples: emovid render --emotion anger · emovid render --all --jobs 2 · emovid render my.yaml --set robot.l=0.002
     """
-    from emovid.batch.cache import find_current, make_missing, workers
-    from emovid.batch.order import write_presentation_order
-    from emovid.cli.progress import reporter
-    from emovid.scene.emotions import EMOTIONS
-    from emovid.scene.load import Setting
-
+    if every and (source or emotion):
+        raise InputError("--all means the six emotions: no scene goes with it")
     look = {"size": size, "fps": fps, "format": format, "theme": theme, "view": view}
-    chosen = settings(assignments, seed, look)
-    if not any(setting.key == "video.format" for setting in chosen):
-        chosen += settings([], look={"format": _format_of(output)})
-    overrides = [
-        *chosen,
-        *(Setting(f"video.overlays.{overlay}", True, f"--overlay {overlay}") for overlay in overlays or ()),
-    ]
-    if every:
-        if source or emotion:
-            raise InputError("--all means the six emotions: no scene goes with it")
-        work = [_job(on_platform(name, platform), output, overrides) for name in EMOTIONS]
-        if len({job.target for job in work}) < len(work):
-            raise InputError(f"-o {output}: is one file; expected a folder for six videos")
-    else:
-        work = [_job(on_platform(one_source(source, emotion), platform), output, overrides)]
-    for line in [] if quiet or as_json else _replaced([job for job in work if job.target != output]):
-        typer.echo(line, err=True)
+    overrides = _look(settings(assignments, seed, look), output, overlays or [])
+    named = list(EMOTIONS) if every else [one_source(source, emotion)]
+    work = rendering.video_jobs([on_platform(name, platform) for name in named], overrides, output, _video_file)
+    if not (quiet or as_json):
+        for line in rendering.overwritten([job for job in work if job.target != output]):
+            typer.echo(line, err=True)
     with reporter(len(work), quiet=quiet or as_json) as report:
-        known = {} if force else find_current(work, report)
-        missing = [job for job in work if job.target not in known]
-        with workers(min(jobs or os.cpu_count() or 1, len(missing)), report.advanced) as pool:
-            made = make_missing(missing, report, pool)
+        made = rendering.make_all(work, report, jobs, force=force)
     if as_json:
-        records = known | made.records
-        videos = {str(job.target): records[job.target].to_json() for job in work if job.target in records}
+        videos = {str(job.target): made.records[job.target].to_json() for job in work if job.target in made.records}
         failed = {str(target): str(failure) for target, failure in made.failures.items()}
         typer.echo(json.dumps({"videos": videos, "failed": failed}, indent=2))
     raise_failures(made.failures.values(), len(work), "videos")
@@ -138,53 +127,123 @@ def render(
         write_presentation_order(work[0].target.parent, names, seed or 0)
 
 
-def _job(source: str, output: Path | None, overrides: "Sequence[Setting]") -> "Job":
-    """Return the job for a scene or a run. All that can be wrong with it is found here, before anything is written."""
-    from emovid.batch.job import Job
-    from emovid.scene.load import find_scene, load_scene, shipped_names
-    from emovid.swarm.files import load_trajectory
-    from emovid.swarm.simulate import check_start
-
-    run = load_trajectory(Path(source), overrides) if is_run(source) else None
-    scene = run.scene if run else load_scene(source, overrides)
-    if run is None:
-        check_start(scene)
-    name = Path(source) if run else find_scene(source)
-    if output is None and source in shipped_names():  # those of a platform beside the study's, not in their place
-        output = Path(FOLDER) / Path(source).parent
-    return Job(scene, _target(output, name.stem, scene.video.format), run)
+def _look(chosen: list[Setting], output: Path | None, overlays: list[str]) -> list[Setting]:
+    """Return the settings of a video, with the format that `-o` implies unless one is given, and the overlays."""
+    if not any(setting.key == "video.format" for setting in chosen):
+        chosen = chosen + settings([], look={"format": rendering.format_of(output)})
+    return [*chosen, *(Setting(f"video.overlays.{name}", True, f"--overlay {name}") for name in overlays)]
 
 
-def _replaced(work: "Sequence[Job]") -> "Iterator[str]":
-    """Yield a line for each video of other settings that another is about to replace, as their names are the same."""
-    from emovid.batch.manifest import read_manifest
-    from emovid.scene.difference import differences_of
-
-    manifests = {folder: read_manifest(folder) for folder in {job.target.parent for job in work}}
-    for job in work:
-        known = manifests[job.target.parent].get(job.target.name)
-        if known and known.scene and job.target.exists():
-            keys = [row.key for row in differences_of(known.scene, job.scene.resolved())]
-            others = f" and {len(keys) - _NAMED} more" if len(keys) > _NAMED else ""
-            if keys:
-                yield f"{job.target}: replaces one with another {', '.join(keys[:_NAMED])}{others}"
-
-
-def _format_of(output: Path | None) -> "FormatName | None":
-    """Return the format whose files end as the output does."""
-    from emovid.video.encoder import FORMATS
-
-    suffixes = {made.suffix: name for name, made in FORMATS.items() if made.suffix}
-    return suffixes.get(output.suffix.lower()) if output and not output.is_dir() else None
-
-
-def _target(output: Path | None, stem: str, format: "FormatName") -> Path:
-    """Return the file, or the folder of pictures, that `-o` means for a scene."""
-    from emovid.video.encoder import FORMATS, check_sequence
-
-    suffix = FORMATS[format].suffix
+def _video_file(output: Path, source: rendering.Source) -> Path:
+    """Return the file, or the folder of pictures, that `-o` means for a video."""
+    suffix = FORMATS[source.scene.video.format].suffix
     others = {made.suffix for made in FORMATS.values()} - {"", suffix}
-    target = output_file(output, stem + suffix, FOLDER, (suffix,) if suffix else (), (*sorted(others), *_OTHER_VIDEOS))
+    refused = (*sorted(others), ".mov", ".mkv", ".avi", ".m4v", ".png", ".apng", ".webp")
+    target = output_file(output, source.stem + suffix, ".", (suffix,) if suffix else (), refused)
     if not suffix:
         check_sequence(target)
     return target
+
+
+def preview(
+    source: Source = None,
+    emotion: Emotion = None,
+    platform: Platform = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="A file in one of the formats, or a folder.", show_default="previews"),
+    ] = None,
+    format: Annotated[
+        str | None,
+        typer.Option(
+            help="gif, webm, mp4; or png: a contact sheet.",
+            show_default="as -o ends, or gif",
+            autocompletion=completion.words(*_PREVIEW_FORMATS),
+        ),
+    ] = None,
+    assignments: Set = None,
+    seed: Seed = None,
+    watch: Annotated[
+        bool, typer.Option("--watch", "-w", help="Make it again whenever the scene is saved, until Ctrl-C.")
+    ] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Show a scene at a glance: a small loop or a contact sheet, within seconds.
+
+    Examples: emovid preview my.yaml --watch · emovid preview --emotion anger --format png -o anger.png
+    """
+    chosen = on_platform(one_source(source, emotion), platform)
+    file, overrides = find_scene(chosen), settings(assignments, seed)
+    make = partial(_preview, chosen, overrides, _preview_file(output, file.stem, format), quiet=quiet)
+    if watch:
+        if not quiet:
+            typer.echo(f"watching {file}: Ctrl-C ends it", err=True)
+        make_when_saved(make, file, lambda error: print(error, file=sys.stderr, flush=True))
+    make()
+
+
+def _preview_file(output: Path | None, stem: str, format: str | None) -> Path:
+    if format is not None and format not in _PREVIEW_FORMATS:
+        expected = f"expected one of {', '.join(_PREVIEW_FORMATS)}{nearest(format, _PREVIEW_FORMATS)}"
+        raise InputError(f"--format {format}: {expected}")
+    suffixes = [suffix for suffix in _PREVIEWS if format in (None, suffix.removeprefix("."))]
+    return output_file(
+        output, f"{stem}{suffixes[0]}", "previews", suffixes, (*_PREVIEWS, ".mov", ".avi", ".mkv", ".jpg", ".pdf")
+    )
+
+
+def _preview(source: str, overrides: list[Setting], target: Path, *, quiet: bool) -> None:
+    """Make a preview and print its file."""
+    started = time.perf_counter()
+    scene = load_scene(source, overrides)
+    check_start(scene)
+    make_folder(target.parent)
+    with counting(target.name, quiet=quiet) as on_period:
+        run = simulate_scene(scene, on_period)
+    write_preview(run, target)
+    if not quiet:
+        typer.echo(f"{target}: {scene.duration:g} s, made in {time.perf_counter() - started:.1f} s", err=True)
+
+
+def simulate(
+    source: Source = None,
+    emotion: Emotion = None,
+    platform: Platform = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="A file ending in .npz or .csv, or a folder.", show_default="SCENE.npz"),
+    ] = None,
+    assignments: Set = None,
+    seed: Seed = None,
+    quiet: Quiet = False,
+    as_json: Json = False,
+) -> None:
+    """Simulate a scene without drawing it.
+
+    Examples: emovid simulate --emotion fear -o fear.npz · emovid simulate my.yaml --seed 3 -o my.csv
+    """
+    chosen = on_platform(one_source(source, emotion), platform)
+    scene = load_scene(chosen, settings(assignments, seed))
+    target = output_file(
+        output,
+        f"{find_scene(chosen).stem}.npz",
+        ".",
+        SUFFIXES,
+        _OTHER_FILES,
+    )
+    check_start(scene)
+    make_folder(target.parent)
+    with counting(target.name, quiet=quiet or as_json) as on_period:
+        trajectory = simulate_scene(scene, on_period)
+    save_trajectory(trajectory, target)
+    if as_json:
+        facts = {"file": str(target), "trajectory_sha256": trajectory.digest(), "samples": len(trajectory.t)}
+        typer.echo(json.dumps(facts | {"robots": scene.robots, "seed": scene.seed}, indent=2))
+    elif not quiet:
+        typer.echo(f"{target}: {scene.robots} robots, {len(trajectory.t)} samples in {scene.duration:g} s", err=True)
+
+
+_OTHER_FILES = (
+    *(".npy", ".json", ".parquet", ".mat", ".txt", ".tsv", ".xlsx", ".xls", ".ods", ".h5", ".hdf5", ".feather", ".pkl"),
+    *(".yaml", ".yml", ".mp4", ".webm", ".gif"),
+)

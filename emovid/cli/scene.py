@@ -1,19 +1,32 @@
-"""`emovid scene`: look at scenes, check them, start new ones."""
+"""`emovid scene`: list, show, check, compare and create scenes."""
 
 import json
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
+from emovid.atomic_io import make_folder, writing
 from emovid.cli import completion
 from emovid.cli.options import Force, Json, Platform, Quiet, Scene, Seed, Set, check_file, on_platform, settings
 from emovid.errors import InputError
-
-if TYPE_CHECKING:
-    from emovid.scene import model
-    from emovid.scene.difference import Difference
+from emovid.scene import model
+from emovid.scene.difference import ABSENT, Difference, differences
+from emovid.scene.emotions import EMOTIONS
+from emovid.scene.load import (
+    find_scene,
+    load_robot,
+    load_scene,
+    parse_scene,
+    scene_digest,
+    scene_schema,
+    shipped_robots,
+)
+from emovid.scene.resources import read_text
+from emovid.swarm.simulate import simulate
+from emovid.swarm.summary import summarize
 
 _SHOWN = 60  # characters of a value in the table; --json has all
 
@@ -23,8 +36,6 @@ def list_scenes(platform: Platform = None, as_json: Json = False) -> None:
 
     Example: emovid scene list
     """
-    from emovid.scene.emotions import EMOTIONS
-
     rows = [
         {
             "emotion": on_platform(e.name, platform),
@@ -49,8 +60,6 @@ def robots(as_json: Json = False) -> None:
 
     Example: emovid scene robots
     """
-    from emovid.scene.load import load_robot, shipped_robots
-
     bodies = [load_robot(name) for name in shipped_robots()]
     if as_json:
         typer.echo(json.dumps([body.model_dump() for body in bodies], indent=2))
@@ -83,12 +92,6 @@ def check(scene: Scene, assignments: Set = None, seed: Seed = None, as_json: Jso
 
     Examples: emovid scene check my.yaml · emovid scene check anger --set robots=20 --seed 3
     """
-    from dataclasses import asdict
-
-    from emovid.scene.load import load_scene, scene_digest
-    from emovid.swarm.simulate import simulate
-    from emovid.swarm.summary import summarize
-
     checked = load_scene(scene, settings(assignments, seed))
     found = summarize(simulate(checked))
     if as_json:
@@ -119,13 +122,11 @@ def new(
 
     Example: emovid scene new my.yaml --from anger
     """
-    from emovid.atomic_io import make_folder, writing
-
     source = on_platform(source, platform)
     _, text = _read(source)
     check_file(file, str(file))
     if file.exists() and not force:
-        raise InputError(f"{file}: exists; --force replaces it")
+        raise InputError(f"{file}: exists; use --force to overwrite it")
     make_folder(file.parent)
     with writing(file) as target:
         target.write(text.encode())
@@ -138,8 +139,6 @@ def schema() -> None:
 
     Example: emovid scene schema > emovid.schema.json
     """
-    from emovid.scene.load import scene_schema
-
     typer.echo(json.dumps(scene_schema(), indent=2))
 
 
@@ -150,9 +149,6 @@ def diff(first: Scene, second: Scene, as_json: Json = False) -> None:
 
     Examples: emovid scene diff anger my.yaml · emovid scene diff fear disgust --json
     """
-    from emovid.scene.difference import differences
-    from emovid.scene.load import load_scene
-
     found = differences(load_scene(first), load_scene(second))
     if as_json:
         rows = [{"key": row.key} | _present(first=row.first, second=row.second) for row in found]
@@ -164,12 +160,10 @@ def diff(first: Scene, second: Scene, as_json: Json = False) -> None:
 
 
 def _present(**values: Any) -> dict[str, Any]:
-    from emovid.scene.difference import ABSENT
-
     return {name: value for name, value in values.items() if value is not ABSENT}
 
 
-def _show(first: str, second: str, rows: "Sequence[Difference]") -> None:
+def _show(first: str, second: str, rows: Sequence[Difference]) -> None:
     """Print a line for each key: the key, and its value in the one scene and in the other."""
     cells = [("key", first, second), *((row.key, _text(row.first), _text(row.second)) for row in rows)]
     key, value = (max(len(row[column]) for row in cells) for column in (0, 1))
@@ -179,17 +173,12 @@ def _show(first: str, second: str, rows: "Sequence[Difference]") -> None:
 
 def _text(value: Any) -> str:
     """Return a value as it stands in a scene; a dash for a key that is not there."""
-    from emovid.scene.difference import ABSENT
-
     text = "-" if value is ABSENT else value if isinstance(value, str) else json.dumps(value)
     return text if len(text) <= _SHOWN else f"{text[: _SHOWN - 3]}..."
 
 
-def _read(source: str) -> "tuple[model.Scene, str]":
+def _read(source: str) -> tuple[model.Scene, str]:
     """Return a scene and the text of its file, read once: it may be a pipe."""
-    from emovid.scene.load import find_scene, parse_scene
-    from emovid.scene.resources import read_text
-
     path = find_scene(source)
     text = read_text(path)
     return parse_scene(text, str(path), folder=path.parent), text

@@ -13,7 +13,7 @@ import typer
 from emovid.batch import check
 from emovid.batch.cache import workers
 from emovid.cli.options import Jobs, Json
-from emovid.cli.progress import counting
+from emovid.cli.terminal import counting
 
 Folder = Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder that emovid render or emovid sweep wrote.")]
 

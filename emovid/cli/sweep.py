@@ -11,9 +11,8 @@ from emovid.batch.cache import find_current, make_missing, workers
 from emovid.batch.results import TABLE, write_plan, write_summary
 from emovid.batch.sweep import items, shard_of
 from emovid.batch.sweep_file import find_sweep, read_sweep
-from emovid.cli.failures import raise_failures
 from emovid.cli.options import Force, Jobs, Json, Quiet
-from emovid.cli.progress import reporter
+from emovid.cli.terminal import raise_failures, reporter
 from emovid.errors import InputError
 from emovid.swarm.simulate import check_start
 

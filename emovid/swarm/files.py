@@ -22,6 +22,11 @@ _OF_BARRIER = ("bend", "relaxed")
 _ZIP_TIME = (1980, 1, 1, 0, 0, 0)
 
 
+def is_run(source: str | Path) -> bool:
+    """Return whether a source names a finished run, by its suffix."""
+    return Path(source).suffix.lower() == ".npz"
+
+
 def save_trajectory(trajectory: Trajectory, target: Path) -> None:
     """Write a trajectory as .npz (arrays and the resolved scene as YAML text) or .csv (the table of `to_dataframe`).
 

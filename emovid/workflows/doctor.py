@@ -1,4 +1,7 @@
-"""What `emovid doctor` looks at: each check does the thing itself, and knows what helps where it fails."""
+"""The checks of `emovid doctor`: each one tries the thing itself, and suggests a remedy if it fails.
+
+Packages are imported where they are tried, so that a missing one is found and named, not raised.
+"""
 
 import re
 import shlex
@@ -13,21 +16,21 @@ from typing import NamedTuple
 
 from emovid.errors import EmovidError, reason
 
-_ROOM = 500_000_000  # bytes: the six videos take 13 MB, a sweep of hundreds as much for every six
+_ROOM = 500_000_000  # bytes: the six videos take 13 MB, and so do every six videos of a sweep
 _SMALL = {"video.size": "96x64", "video.fps": 5, "duration": 1.0}
 _OF_DEVELOPERS = ("dev", "docs")  # extras
 _REINSTALL = "pip install --force-reinstall"
 
 
 class Check(NamedTuple):
-    """What came of one check.
+    """The result of one check.
 
     Attributes:
-        name: what was looked at.
+        name: of the thing checked.
         passed: whether it works.
-        needed: whether something fails without it.
-        found: what there is, or what is wrong.
-        remedy: what helps; empty if it works.
+        needed: whether emovid fails without it.
+        found: the version or size found, or the error.
+        remedy: what to do about it; empty if it works.
     """
 
     name: str
@@ -38,7 +41,7 @@ class Check(NamedTuple):
 
 
 def checks(folder: Path) -> Iterator[Check]:
-    """Yield what comes of each check, of this installation and of a folder to write to."""
+    """Yield the result of each check of this installation, and of a folder to write to."""
     yield _versions()
     yield _packages("packages", _needs()[""], needed=True)
     yield _scenes()
@@ -59,7 +62,7 @@ def _versions() -> Check:
 
 
 def _needs() -> dict[str, list[str]]:
-    """Return the packages that each extra needs, as in ``numpy>=2.1``; those we cannot do without, under no name."""
+    """Return the packages that each extra requires, as in ``numpy>=2.1``; under "" those of emovid itself."""
     needs: dict[str, list[str]] = {"": []}
     for need in requires("emovid") or ():
         package, _, condition = need.partition(";")
@@ -69,14 +72,14 @@ def _needs() -> dict[str, list[str]]:
 
 
 def _packages(name: str, needs: list[str], *, needed: bool) -> Check:
-    """Return whether all packages are there, and new enough."""
+    """Return whether all packages are installed and new enough."""
     faults = {need: fault for need in needs if (fault := _fault(need))}
     found = "; ".join(faults.values()) or f"{len(needs)} installed"
     return Check(name, not faults, needed, found, f"pip install {shlex.join(faults)}" if faults else "")
 
 
 def _fault(need: str) -> str:
-    """Return what is wrong with a required package, given as ``name`` or ``name>=1.2``; nothing if it is there."""
+    """Return the problem of a required package, given as ``name`` or ``name>=1.2``; "" if there is none."""
     name, _, least = need.partition(">=")
     try:
         there = version(name)
@@ -96,11 +99,11 @@ def _scenes() -> Check:
 
         return f"{len([load_scene(emotion) for emotion in EMOTIONS])} load"
 
-    return _tried("scenes", True, load, "install emovid again: its files are not whole")
+    return _tried("scenes", True, load, "reinstall emovid: files are missing")
 
 
 def _videos() -> Iterator[Check]:
-    """Yield a check for each format: a second of a scene is simulated, drawn and encoded."""
+    """Yield a check for each format, which simulates, draws and encodes a second of a scene."""
     remedy = f"{_REINSTALL} imageio-ffmpeg, and unset IMAGEIO_FFMPEG_EXE if it is set"
     for format in ("mp4", "webm", "gif"):
         yield _tried(format, format == "mp4", partial(_render, format), remedy)
@@ -119,7 +122,7 @@ def _render(format: str) -> str:
 
 
 def _fonts() -> Check:
-    """Return whether there is the font of all figures, which comes with matplotlib."""
+    """Return whether the font of all figures exists; matplotlib brings it along."""
 
     def find() -> str:
         from matplotlib.font_manager import findfont
@@ -130,28 +133,30 @@ def _fonts() -> Check:
 
 
 def _writing(folder: Path) -> Check:
-    """Return whether a folder can be written to, and has room."""
+    """Return whether a folder is writable and has enough free space."""
     name = f"folder {folder}"
     try:
         with tempfile.TemporaryFile(dir=folder) as file:
             file.write(b"emovid")
         free = shutil.disk_usage(folder).free
     except OSError as error:
-        return Check(name, False, True, reason(error), "work in a folder that is yours")
+        return Check(name, False, True, reason(error), "choose a folder that you may write to")
     found = f"writable, {free / 1e9:.1f} GB free"
-    return Check(name, free >= _ROOM, True, found, "" if free >= _ROOM else "make room, or give -o on another disk")
+    return Check(
+        name, free >= _ROOM, True, found, "" if free >= _ROOM else "free some space, or use -o on another disk"
+    )
 
 
 def _temporary() -> Check:
-    """Return whether there is a folder for temporary files, as `_writing`."""
+    """Return whether the folder for temporary files is writable, as `_writing`."""
     try:
         return _writing(Path(tempfile.gettempdir()))
-    except OSError as error:  # none of those that Python tries can be written to
-        return Check("folder for temporary files", False, True, reason(error), "make room, or set TMPDIR")
+    except OSError as error:  # no folder that Python tries is writable
+        return Check("folder for temporary files", False, True, reason(error), "free some space, or set TMPDIR")
 
 
 def _browser() -> Check:
-    """Return whether there is a browser to look at reports and rehearse surveys with."""
+    """Return whether there is a browser to view reports and rehearse surveys."""
     import webbrowser
 
     try:
@@ -160,9 +165,9 @@ def _browser() -> Check:
         return Check("browser", False, False, "none found", "copy report.html or kit/ to a machine with one")
 
 
-def _tried(name: str, needed: bool, act: Callable[[], str], remedy: str) -> Check:
-    """Return what comes of an act that returns what it found."""
+def _tried(name: str, needed: bool, check: Callable[[], str], remedy: str) -> Check:
+    """Return the result of a check that returns what it found, or raises an error."""
     try:
-        return Check(name, True, needed, act())
+        return Check(name, True, needed, check())
     except (EmovidError, ImportError, OSError, ValueError) as error:
         return Check(name, False, needed, " ".join(str(error).split()), remedy)

@@ -64,7 +64,7 @@ def test_a_killed_worker_loses_its_video_and_another_makes_it(tmp_path) -> None:
     os.kill(next(pid for pid, line in running.items() if "spawn_main" in line), signal.SIGKILL)
     _, said = process.communicate(timeout=120)
     assert process.returncode == 0
-    assert "its worker died, attempt 1; another takes over" in said
+    assert "its worker died, attempt 1; another worker tries again" in said
     assert len([name for name in names(tmp_path) if name.endswith(".mp4")]) == 6
     assert hidden(tmp_path) == []
     assert left_of([process.pid]) == []

@@ -95,7 +95,7 @@ def test_what_is_wished_or_not_is_a_flag() -> None:
         if {"--json", "--quiet", "--force"} & set(option.opts):
             assert option.is_flag, name
         if "--quiet" in option.opts:
-            assert option.help.startswith("Say nothing but "), name
+            assert option.help.startswith("Print nothing but "), name
 
 
 @each_command
@@ -175,7 +175,7 @@ def test_what_ends_a_command_from_outside_is_one_line(raised, code, message, tmp
     def simulate(*_: object) -> None:
         raise raised
 
-    monkeypatch.setattr("emovid.swarm.simulate.simulate", simulate)
+    monkeypatch.setattr("emovid.cli.render.simulate_scene", simulate)
     monkeypatch.chdir(tmp_path)
     assert main(["simulate", "fear"]) == code
     assert capsys.readouterr().err == message

@@ -25,7 +25,7 @@ def elsewhere(tmp_path, monkeypatch) -> Path:
 def test_a_whole_installation_passes_and_nothing_is_left(tmp_path, capsys) -> None:
     assert main(["doctor"]) == 0
     said = capsys.readouterr().out.splitlines()
-    assert said[-1] == "all that is needed works"
+    assert said[-1] == "all required checks pass"
     assert (
         sum(line.startswith(("ok       mp4: encoded by ffmpeg ", "ok       webm", "ok       gif")) for line in said)
         == 3
@@ -43,7 +43,7 @@ def test_an_ffmpeg_that_does_not_encode_fails_and_is_told_how_to_mend(capsys, mo
     lines = capsys.readouterr().out.splitlines()
     at = lines.index("FAILED   mp4: run.mp4: ffmpeg failed with exit status 1: Unknown encoder 'libx264'")
     assert "imageio-ffmpeg" in lines[at + 1]
-    assert lines[-1] == "1 needed things fail"
+    assert lines[-1] == "1 required checks fail"
     assert any(line.startswith("missing  webm: ") for line in lines)
 
 

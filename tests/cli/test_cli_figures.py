@@ -118,7 +118,7 @@ def test_another_study_gives_its_figures_and_what_it_lacks_is_left_out_of_all(ca
 
 def test_what_a_study_lacks_is_left_out_of_all(capsys, monkeypatch) -> None:
     few = {name: CATALOGUE[name] for name in ("gritsbot", "accuracy-gender", "confusion-matrix")}
-    monkeypatch.setattr("emovid.figures.catalogue.CATALOGUE", few)
+    monkeypatch.setattr("emovid.workflows.figures.CATALOGUE", few)
     main(["study", "analyze", "--counts", str(ROOT / "studies/santos-egerstedt/counts.csv"), "-o", "r", "--quiet"])
     assert main(["figures", "all", "--study", "r", "--format", "svg"]) == 0
     assert {path.name for path in Path("figures").iterdir()} == {"gritsbot.svg", "confusion-matrix.svg"}

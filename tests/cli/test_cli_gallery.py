@@ -14,7 +14,7 @@ from emovid.figures.gallery import Picture, SceneVideo, gallery_page
 from emovid.figures.run_cache import Material
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, shipped_scene
-from emovid.workflows.figure_sources import measures_of, study_results
+from emovid.workflows.figures import measures_of, study_results
 from emovid.workflows.gallery import gallery, steps
 
 ENTRIES = [CATALOGUE[name] for name in ("gritsbot", "happiness-frames", "shapes", "confusion-matrix")]
@@ -147,9 +147,9 @@ def test_the_command_makes_it_of_all_figures_that_the_study_has(capsys, monkeypa
             done("part")
         return b"page"
 
-    monkeypatch.setattr("emovid.cli.figures.gallery", fake)
+    monkeypatch.setattr("emovid.workflows.figures.gallery", fake)
     few = {name: CATALOGUE[name] for name in ("gritsbot", "accuracy-gender", "confusion-matrix")}
-    monkeypatch.setattr("emovid.figures.catalogue.CATALOGUE", few)
+    monkeypatch.setattr("emovid.workflows.figures.CATALOGUE", few)
     assert main(["figures", "gallery", "gritsbot", "--format", "svg"]) == 0
     assert shown == list(few)
     said = capsys.readouterr().err.splitlines()

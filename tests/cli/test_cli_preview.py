@@ -136,7 +136,7 @@ def test_watching_can_be_quiet(monkeypatch, capsys) -> None:
     def sleep(_: float) -> None:
         raise _EnoughError
 
-    monkeypatch.setattr("emovid.cli.preview.time", SimpleNamespace(perf_counter=time.perf_counter, sleep=sleep))
+    monkeypatch.setattr("emovid.workflows.preview.time", SimpleNamespace(perf_counter=time.perf_counter, sleep=sleep))
     with pytest.raises(_EnoughError):
         main(["preview", "my.yaml", *SHORT, "-o", "my.gif", "--watch", "--quiet"])
     assert names() == ["my.gif", "my.yaml"]

@@ -282,7 +282,7 @@ def test_quiet_says_nothing(capsys) -> None:
         (["--emotion", "angr"], f"--emotion angr: expected one of {SIX} (did you mean anger?)"),
         (["anger", "--emotion", "fear"], ONE_SCENE),
         (["--all", "--emotion", "fear"], "--all means the six emotions: no scene goes with it"),
-        (["--all", "-o", "x.mp4"], "-o x.mp4: is one file; expected a folder for six videos"),
+        (["--all", "-o", "x.mp4"], "-o x.mp4: is one file; expected a folder for 6 videos"),
         (["fear", "-o", "x.mov"], "-o x.mov: cannot write .mov; expected .mp4, or a folder"),
         (["fear", "-o", "x.webm", "--format", "gif"], "-o x.webm: cannot write .webm; expected .gif, or a folder"),
         (["fear", "-o", "x.gif", "--format", "png-sequence"], "-o x.gif: cannot write .gif; expected a folder"),

@@ -8,7 +8,7 @@ import pytest
 from rich.table import Table
 
 from emovid.cli.main import main
-from emovid.cli.tables import show_table
+from emovid.cli.terminal import show_table
 from emovid.scene.emotions import EMOTIONS
 from tests.helpers.terminal import on_a_screen
 

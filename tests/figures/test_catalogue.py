@@ -22,7 +22,7 @@ from emovid.figures.style import DOUBLE_COLUMN, FORMATS, SINGLE_COLUMN, in_style
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting
 from emovid.swarm.simulate import simulate
-from emovid.workflows.figure_sources import measures_of, study_results
+from emovid.workflows.figures import measures_of, study_results
 from emovid.workflows.gallery import GALLERY
 from emovid.workflows.snapshots import CONTACT, FRAMES
 from tests.helpers.pdf import all_fonts_are_embedded_truetype, font_sizes, objects, page_box

@@ -19,7 +19,7 @@ from emovid.scene.behaviour import Coverage
 from emovid.scene.model import Scene
 from emovid.swarm.files import load_trajectory, save_trajectory
 from emovid.swarm.trajectory import Trajectory
-from emovid.workflows.figure_sources import measures_of, study_results
+from emovid.workflows.figures import measures_of, study_results
 
 FOLDER = Path(__file__).parents[1] / "golden"
 SMALLER = 4  # times, than 300 dots per inch

@@ -183,7 +183,7 @@ def _violations(trial: Trial, fault: Fault) -> list[str]:
 def _unsaid(trial: Trial, fault: Fault) -> list[str]:
     """Return what a run that failed does not say: which files, why, and what to do."""
     lines = [line for line in trial.said.splitlines() if not line.startswith("[")]
-    failures = [line for line in lines if f"{trial.folder}/" in line and "another takes over" not in line]
+    failures = [line for line in lines if f"{trial.folder}/" in line and "another worker tries again" not in line]
     if not failures or not all(fault.cause.lower() in line.lower() for line in failures):
         return [f"what failed is not said: {trial.said[-500:]}"]
     return [] if any(remedy in lines[-1] for remedy in REMEDIES) else [f"what to do is not said: {lines[-1]}"]

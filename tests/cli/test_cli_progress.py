@@ -6,14 +6,14 @@ from types import SimpleNamespace
 
 import pytest
 
-from emovid.cli import progress
-from emovid.cli.progress import reporter
+from emovid.cli import terminal
+from emovid.cli.terminal import reporter
 from tests.helpers.terminal import on_a_terminal
 
 
 @pytest.fixture(autouse=True)
 def _terminal(monkeypatch) -> None:
-    monkeypatch.setattr(progress, "is_interactive", lambda: True)
+    monkeypatch.setattr(terminal, "is_interactive", lambda: True)
 
 
 def job(name: str) -> SimpleNamespace:
@@ -51,7 +51,7 @@ def test_an_item_whose_worker_died_starts_again(capsys) -> None:
         assert "a.mp4" not in shown(report)
         report.advanced(job("a.mp4"), 1, 4)
         assert shown(report)["a.mp4"] == (1, 4)
-    assert "a.mp4: its worker died, attempt 1; another takes over" in capsys.readouterr().err
+    assert "a.mp4: its worker died, attempt 1; another worker tries again" in capsys.readouterr().err
 
 
 def test_an_item_whose_worker_died_before_it_began_has_no_bar_to_end(capsys) -> None:
