@@ -135,7 +135,7 @@ def study_results(source: Path | None) -> Any:
             if levels:
                 recognition_of(results, column)
     except (AttributeError, LookupError, TypeError, ValueError):
-        raise InputError(f"{file}: no results; expected the results.json of emovid study analyze") from None
+        raise InputError(f"{file}: not results; expected the results.json of emovid study analyze") from None
     return results
 
 

@@ -103,7 +103,7 @@ def test_a_folder_that_is_full_or_gone_fails(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(doctor, "_ROOM", 10**18)
     full = doctor._writing(tmp_path)
     assert (full.passed, full.needed) == (False, True)
-    assert full.remedy.startswith("make room")
+    assert full.remedy.startswith("free some space")
 
 
 def test_a_machine_without_a_temporary_folder_is_told_so(capsys, monkeypatch) -> None:

@@ -134,7 +134,7 @@ def test_results_with_a_group_of_another_form_are_refused(capsys) -> None:
     results = json.loads(Path("results/results.json").read_bytes())
     Path("results/results.json").write_text(json.dumps(results | {"groups": {"gender": {"female": {}}}}))
     assert main(["figures", "circumplex", "--study", "results"]) == 2
-    expected = "results/results.json: no results; expected the results.json of emovid study analyze\n"
+    expected = "results/results.json: not results; expected the results.json of emovid study analyze\n"
     assert capsys.readouterr().err == expected
     Path("results/results.json").write_text(json.dumps(results | {"groups": {"gender": {}}}))  # of one level only
     assert main(["figures", "circumplex", "--study", "results", "--format", "svg", "--quiet"]) == 0
@@ -199,7 +199,7 @@ def test_a_mistake_is_one_line_and_leaves_nothing(capsys, arguments, message) ->
 def test_a_file_without_results_is_told_apart(capsys, text) -> None:
     Path("x.json").write_text(text)
     assert main(["figures", "confusion-matrix", "--study", "x.json"]) == 2
-    expected = "x.json: no results; expected the results.json of emovid study analyze\n"
+    expected = "x.json: not results; expected the results.json of emovid study analyze\n"
     assert capsys.readouterr().err == expected
 
 
