@@ -1,10 +1,10 @@
-"""Run the benchmarks and write what they print into RESULTS.md, a section each.
+"""Run the benchmarks and write their output into RESULTS.md, one section each.
 
 Usage: python benchmarks [NAME ...]
 
-NAME is that of a file here, render_cost say; all are run if none is given. A section holds a title, what stands below
-it, which is written by hand and kept, and what was measured: the command, the day, the machine, the versions, and the
-output. Nothing else should run meanwhile.
+NAME is a file in this folder, such as render_cost; without a name, all benchmarks run. A section has a title, comments
+written by hand, which are kept, and the measurement: command, date, machine, versions and output. Close other programs
+before measuring.
 """
 
 import os
@@ -22,22 +22,22 @@ from emovid.video import ffmpeg
 HERE = Path(__file__).parent
 RESULTS = HERE / "RESULTS.md"
 BENCHES = {
-    "startup": "Starting up",
+    "startup": "Start-up",
     "render_cost": "Rendering",
-    "peers": "Against others",
-    "simulator": "Simulating",
+    "peers": "Comparison with other tools",
+    "simulator": "Simulation",
     "coverage_scale": "Coverage in large swarms",
     "batch": "Batches",
     "survey_import": "Importing a survey",
     "survey": "The survey under load",
-    "gate": "The claims on 50 seeds",
-    "robotarium_safety": "The scenes for robots on 50 seeds",
+    "gate": "The paper's claims on 50 seeds",
+    "robotarium_safety": "The Robotarium scenes on 50 seeds",
 }
-TITLE = "# What was measured\n\n`make bench` makes all of this anew, `make bench ONLY=render_cost` one section.\n"
+TITLE = "# Measurements\n\n`make bench` runs all benchmarks and updates this page; `make bench ONLY=render_cost` runs one.\n"
 
 
 def machine() -> str:
-    """Return the processor, its cores, the system, and the versions that a cost depends on."""
+    """Return the processor, its cores, the system, and the package versions that affect the timings."""
     model = platform.processor() or platform.machine()
     info = Path("/proc/cpuinfo")
     if info.exists() and (found := re.search(r"^model name\s*: (.*)$", info.read_text(), re.MULTILINE)):
@@ -48,7 +48,7 @@ def machine() -> str:
 
 
 def measured(name: str) -> tuple[str, bool]:
-    """Return what a benchmark prints, with all that it was measured with, and whether it says that a limit holds."""
+    """Run a benchmark; return its output with the machine and versions, and whether its limits hold."""
     command = [sys.executable, str(HERE / f"{name}.py")]
     started = time.monotonic()
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
@@ -59,13 +59,13 @@ def measured(name: str) -> tuple[str, bool]:
 
 
 def sections(text: str) -> dict[str, str]:
-    """Return the sections of a results file by title: what is written by hand, without what was measured."""
+    """Return the sections of a results file by title."""
     parts = re.split(r"^## (.*)\n", text, flags=re.MULTILINE)[1:]
     return dict(zip(parts[::2], parts[1::2], strict=True))
 
 
 def by_hand(section: str) -> str:
-    """Return a section without what was measured, which begins with the command."""
+    """Return the comments of a section, without the measurement, which begins with the command."""
     return re.split(r"^`python benchmarks/", section, maxsplit=1, flags=re.MULTILINE)[0].strip()
 
 

@@ -1,4 +1,4 @@
-"""What a batch costs beyond its work: two processes against one, Dask against processes, and when all is made already.
+"""Measure the overhead of batches: two processes against one, Dask against processes, and nothing left to do.
 
     python benchmarks/batch.py
 
@@ -23,14 +23,14 @@ ROUNDS = 3  # of which the fastest counts: everything else is another program's 
 
 
 class Spent(NamedTuple):
-    """Wall time of a command, and processor time of it and all that it has started [s]."""
+    """Wall time of a command, and processor time including its child processes [s]."""
 
     wall: float
     cpu: float
 
 
 def spent(*arguments: object) -> Spent:
-    """Return what a command takes."""
+    """Run a command and return its times."""
     before, started = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     subprocess.run([sys.executable, "-m", "emovid", *map(str, arguments), "--quiet"], check=True)
     wall, after = time.perf_counter() - started, resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -38,14 +38,14 @@ def spent(*arguments: object) -> Spent:
 
 
 def six_videos(folder: Path) -> tuple[str, str]:
-    """Return what the six videos take in two processes, against one."""
+    """Compare the six videos in two processes with one process."""
     one, two = (spent("render", "--all", "-o", folder / f"six-{jobs}", "--jobs", jobs) for jobs in (1, 2))
     cpu = f"{two.cpu / one.cpu:.2f} of the processor time ({two.cpu:.1f} s, {one.cpu:.1f} s)"
     return "six videos, `--jobs 2` against 1", f"{cpu}, {two.wall / one.wall:.2f} of the wall time"
 
 
 def sixty_on_dask(folder: Path) -> tuple[str, str]:
-    """Return what 60 videos take on a Dask cluster of two workers, against two processes."""
+    """Compare 60 videos on a Dask cluster of two workers with two processes."""
     file = folder / "videos.yaml"
     file.write_text(VIDEOS)
     local, dask = [], []
@@ -59,7 +59,7 @@ def sixty_on_dask(folder: Path) -> tuple[str, str]:
 
 
 def ten_thousand(folder: Path) -> list[tuple[str, str]]:
-    """Return what 10 000 tiny measurements take, and what it takes to find that they are made."""
+    """Measure 10 000 tiny measurements, and finding that all are up to date."""
     file = folder / "measures.yaml"
     file.write_text(MEASURES)
     made, found = (spent("sweep", file, "-o", folder / "measures", "--jobs", 2) for _ in range(2))

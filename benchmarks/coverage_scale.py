@@ -1,8 +1,8 @@
-"""What a coverage step costs, against the bare Voronoi diagram of the same points, from 15 to 10 000 robots.
+"""Compare a coverage step with the Voronoi diagram of the same points alone, from 15 to 10 000 robots.
 
-The points lie evenly over the stage, or all in a quarter of its width and height, as a swarm does that starts in a
-region. The bare diagram is scipy's or shapely's, whichever is faster (shapely only if it is installed: it is no part of
-emovid). Runs alternate; medians of their ratios.
+The points cover the stage evenly, or only a quarter of its width and height, like a swarm that starts in a region. The
+diagram is the faster one of scipy's and shapely's (shapely only where it is installed; emovid does not need it). Runs
+alternate; the ratios are medians.
 """
 
 import time
@@ -55,7 +55,7 @@ def row(points: np.ndarray) -> dict[str, float]:
 
 
 def main() -> None:
-    """Print a table for each way the points lie."""
+    """Print one table for each arrangement of the points."""
     print(f"bare Voronoi diagrams: scipy{' and shapely' if shapely else '; shapely is not installed'}")
     rng = np.random.default_rng(0)
     for where, share in (("over the whole stage", 1.0), ("in a quarter of its width and height", 0.25)):

@@ -1,4 +1,4 @@
-"""What others take for such a video, side by side in one run, whole processes in turn.
+"""Compare emovid with other tools on the same kind of video: whole processes, alternating in one run.
 
 1. matplotlib's `FuncAnimation.save`: the same scene, simulated by us, drawn by artists that are set anew for each
    frame, with the same encoder settings; and with frames that are thrown away. Processor time.
@@ -129,7 +129,7 @@ def render(*arguments: str) -> list[str]:
 def compare(
     what: str, ours: list[str], theirs: list[str], used: Literal["cpu", "wall"], limit: float, rounds: int, folder: Path
 ) -> tuple[str, float]:
-    """Return a row of the table, from rounds in which the two take turns to be first, and the others' median [s]."""
+    """Return a row of the table and the median of the other tool [s]; the two alternate in who starts first."""
     pairs = []
     for k in range(rounds):
         first, second = (theirs, ours) if k % 2 else (ours, theirs)
@@ -141,7 +141,7 @@ def compare(
 
 
 def encoding_alone(rounds: int, folder: Path) -> float:
-    """Return the processor time of ffmpeg alone, handed the frames of anger as `emovid` converts them, the median [s].
+    """Return the median processor time of ffmpeg alone, fed with the converted frames of anger [s].
 
     What a program that draws and converts for nothing would still take.
     """
@@ -157,7 +157,7 @@ def encoding_alone(rounds: int, folder: Path) -> float:
 
 
 def ir_sim(folder: Path) -> list[str] | None:
-    """Return the command that makes ir-sim's clip, in an environment of its own; None if that cannot be made."""
+    """Return the command that renders with ir-sim in its own environment; None if that cannot be installed."""
     python = folder / "environment" / "bin" / "python"
     (folder / "world.yaml").write_text(WORLD)
     try:
@@ -170,7 +170,7 @@ def ir_sim(folder: Path) -> list[str] | None:
 
 
 def main() -> None:
-    """Print the table, with the limits beside."""
+    """Print the table with the limits."""
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 3
     print(f"{'':<38}{'emovid':>10}{'theirs':>12}{'ratio':>8}   limit")
     with tempfile.TemporaryDirectory() as name:
@@ -185,14 +185,14 @@ def main() -> None:
         row, _ = compare("the same, not encoded", ours, [*animation, "none"], "cpu", CPU_LIMIT, rounds, folder)
         print(row, flush=True)
         encoder = encoding_alone(rounds, folder)
-        most = f"more than {whole / encoder:.1f} times less than FuncAnimation.save is out of reach with it"
+        most = f"no program with it can take more than {whole / encoder:.1f} times less than FuncAnimation.save"
         print(f"the encoder alone takes {encoder:.2f} s: {most}", flush=True)
         if command := ir_sim(folder):
             clip = render("-o", "ours.mp4", "--set", "duration=12")
             what = "ir-sim, 12 s of 15 robots, wall time"
             print(compare(what, clip, command, "wall", WALL_LIMIT, rounds, folder)[0])
         else:
-            print("ir-sim: not measured, since it cannot be installed from here")
+            print("ir-sim: not measured, because it could not be installed")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What a whole process costs, with all that it starts."""
+"""Measure the cost of a process, including its child processes."""
 
 import os
 import subprocess
@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
-# As `emovid` sets it for itself, and thus for all alike.
+# emovid sets this for itself; all programs in a comparison get the same.
 ENVIRONMENT = os.environ | {"OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
 
 
@@ -20,7 +20,7 @@ class Cost(NamedTuple):
 
 
 def cost(command: list[str], folder: Path | None = None, given: Iterable[bytes] = ()) -> Cost:
-    """Return what a command costs that is run in a folder and is given bytes on its standard input.
+    """Run a command in a folder, with bytes on its standard input, and return its cost.
 
     Raises:
         CalledProcessError: if it fails.

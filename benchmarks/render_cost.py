@@ -1,4 +1,4 @@
-"""What rendering costs, side by side in one run: processor time of whole processes and of what they start.
+"""Measure the cost of rendering: processor time of whole processes and their children, alternating in one run.
 
 1. `emovid render --emotion anger` against ffmpeg alone, which is handed its very frames, in RGBA, and encodes them with
    the same arguments. What making and handing over those frames costs is not counted.
@@ -41,7 +41,7 @@ def seconds_of(who: int) -> float:
 
 
 def emovid_render(size: str, fps: int, folder: Path) -> Cost:
-    """Return what the command costs, with all that it starts."""
+    """Return the cost of a command, including its child processes."""
     command = [sys.executable, "-m", "emovid", "render", "--emotion", "anger", "--size", size, "--fps", str(fps)]
     return cost([*command, "--quiet", "--force", "-o", "ours.mp4"], folder)
 
@@ -56,7 +56,7 @@ def ffmpeg_alone(run: Trajectory, folder: Path) -> float:
 
 
 def compare(size: str, fps: int, rounds: int, folder: Path) -> str:
-    """Return a row of the first table: medians of rounds in which the two take turns to be first."""
+    """Return a row of the first table: medians of rounds; the two alternate in who starts first."""
     run = simulate(load_scene("anger", [Setting("video.size", size, ""), Setting("video.fps", fps, "")]))
     pairs, memory = [], 0.0
     for k in range(rounds):
@@ -72,7 +72,7 @@ def compare(size: str, fps: int, rounds: int, folder: Path) -> str:
 
 
 def shares(folder: Path) -> str:
-    """Return where the processor time of rendering anger goes, each part measured alone, the median of three [s]."""
+    """Return the processor time of each part of rendering anger, measured alone, median of three [s]."""
     scene = load_scene("anger")
     run = simulate(scene)
     modules = "import emovid.cli.main, emovid.batch.cache"
@@ -97,7 +97,7 @@ def seconds_here(work: Callable[[], object]) -> float:
 
 
 def swarm(robots: int) -> None:
-    """Print what a swarm costs, as JSON; in a process of its own, for its memory."""
+    """Print the cost of a swarm as JSON; runs in its own process, so that its memory can be measured."""
     wide = sqrt(robots / 15)
     keys = {"robots": robots, "stage.width": 1.2 * wide, "stage.height": 0.8 * wide, "duration": 2.0}
     keys |= {"start": {"place": "stage", "min_spacing": 0.06}}
@@ -115,7 +115,7 @@ def swarm(robots: int) -> None:
 
 
 def swarm_costs() -> list[dict[str, float]]:
-    """Return the costs of all numbers of robots: seconds for a control period and a frame, and memory [MB]."""
+    """Return the cost for each number of robots: seconds per control period and per frame, and memory [MB]."""
     costs = []
     for robots in ROBOTS:
         command = [sys.executable, __file__, "--swarm", str(robots)]
@@ -125,7 +125,7 @@ def swarm_costs() -> list[dict[str, float]]:
 
 
 def main() -> None:
-    """Print both tables, with the limits beside."""
+    """Print both tables with the limits."""
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 5
     print(f"{'anger, 15 s':<20}{'emovid render':>12}{'ffmpeg alone':>14}   {'ratio':<22}limit{'memory':>8}")
     with tempfile.TemporaryDirectory() as folder:

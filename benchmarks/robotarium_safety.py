@@ -1,4 +1,4 @@
-"""Bodies, walls and motors in the scenes of both testbeds on each of 50 seeds: the worst of each, and what it took.
+"""Check distances of bodies and walls and the motor limits in the Robotarium scenes on 50 seeds.
 
 Scenes that start on their contour use no seed: one run stands for all. With an argument, that many processes at once;
 by default one a core.
@@ -22,7 +22,7 @@ _SHOWN = ("between bodies", "from bodies to walls", "time with commands bent by 
 
 
 class Run(NamedTuple):
-    """What one run showed: the failed checks, the values of those shown, and the time of a step [ms]."""
+    """Result of one run: the failed checks, the values to show, and the time of a step [ms]."""
 
     failed: list[str]
     values: list[float]
@@ -30,7 +30,7 @@ class Run(NamedTuple):
 
 
 def run(work: tuple[str, str, int]) -> Run:
-    """Return what a scene's run with a seed showed."""
+    """Run a scene with a seed and return the result."""
     platform, emotion, seed = work
     scene = load_scene(f"{platform}/{emotion}", [Setting("seed", seed, "--seed")])
     started = time.perf_counter()
@@ -44,7 +44,7 @@ def run(work: tuple[str, str, int]) -> Run:
 def main() -> None:
     """Print the table and fail if a check fails on any seed."""
     processes = int(sys.argv[1]) if len(sys.argv) > 1 else os.cpu_count()
-    print("worst of all seeds         seeds    bodies    walls    bent  no solution  a step   checks failed")
+    print("worst over all seeds       seeds    bodies    walls    bent  no solution  a step   checks failed")
     failures = 0
     with ProcessPoolExecutor(processes, get_context("spawn")) as pool:
         for platform, emotion in product(PLATFORMS, EMOTIONS):

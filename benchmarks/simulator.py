@@ -1,4 +1,4 @@
-"""What a control period costs in the simulator, for the shipped scenes of 15 robots, on one core.
+"""Measure the cost of a control period in the simulator for the shipped scenes of 15 robots, on one core.
 
 1. The law alone, and all of a period: law, command, clearance from the stage and other bodies, motion. The law's time
    is that at the poses of a run, which a swarm goes through on its way from scattered to settled.
@@ -33,7 +33,7 @@ ITEMS = 1000
 
 
 def seconds(work: Callable[[], object]) -> float:
-    """Return the processor time that some work takes [s]."""
+    """Return the processor time of a call [s]."""
     times = []
     for _ in range(ROUNDS):
         started = time.process_time()
@@ -43,7 +43,7 @@ def seconds(work: Callable[[], object]) -> float:
 
 
 def row(emotion: str) -> str:
-    """Return what the scene of an emotion costs."""
+    """Return the cost of the scene of an emotion."""
     scene = load_scene(emotion)
     run, law = simulate(scene), scene.behaviour
     periods = len(run.commands)
@@ -57,7 +57,7 @@ def row(emotion: str) -> str:
 
 
 def sweep(folder: Path, jobs: int, items: int) -> Cost:
-    """Return what a sweep of measurements over seeds costs."""
+    """Return the cost of a sweep of measurements over seeds."""
     file = folder / "sweep.yaml"
     file.write_text(f"only: measure\nscenes: [fear, disgust, anger, happiness]\nseeds: {items // 4}\n")
     command = [sys.executable, "-m", "emovid", "sweep", str(file), "-o", f"jobs-{jobs}", "--jobs", str(jobs), "--quiet"]

@@ -1,4 +1,4 @@
-"""The survey under load: 200 participants at once, fifty kills, and one participant at full length in a real browser.
+"""Load the survey: 200 participants at once, fifty kills, and one participant at full length in a real browser.
 
     python benchmarks/survey.py
 
@@ -28,7 +28,7 @@ Row = tuple[str, str, bool]
 
 
 def crowded(kit: Path) -> Row:
-    """Let 200 take part at once."""
+    """Simulate 200 participants at once."""
     with serving(kit) as server:
         crowd = Crowd(server.address, PEOPLE, LENGTH)
         started = time.monotonic()
@@ -43,7 +43,7 @@ def crowded(kit: Path) -> Row:
 
 
 def killed(kit: Path) -> Row:
-    """Kill the server at 50 random moments while 40 take part."""
+    """Kill the server at 50 random moments while 40 participants take part."""
     found = kill_under_load(kit, LENGTH, KILLS, people=40, seed=3)
     said = f"{found.acknowledged} answers acknowledged; {found.lost} lost, {found.twice} twice"
     said += f", {len(found.failures)} errors"
@@ -51,7 +51,7 @@ def killed(kit: Path) -> Row:
 
 
 def watched(folder: Path) -> Row:
-    """Let one participant take part in the example study, in a real browser, at full length."""
+    """Simulate one participant of the example study in a real browser, at full length."""
     kit = small_kit(folder / "full", (ROOT / "studies" / "example" / "study.yaml").read_text(), ORDERS)
     with serving(kit) as server, sync_playwright() as playwright:
         path = shutil.which("chromium") or shutil.which("google-chrome")

@@ -1,4 +1,4 @@
-"""What the analysis of a large survey costs: its export read, and every table, test and figure of the report made.
+"""Measure the analysis of a large survey: reading its export and writing every table, test and figure.
 
 The participants are model ones, six answers each.
 

@@ -1,4 +1,4 @@
-"""Make the moving picture at the top of the README: the six emotions side by side, in real time.
+"""Make the animation at the top of the README: the six emotions side by side, in real time.
 
 Usage: python docs/make_picture.py FILE.webp
 """
@@ -39,12 +39,12 @@ def main(target: str) -> None:
 
 
 def small(frame: "np.ndarray[tuple[int, int, int], np.dtype[np.uint8]]") -> Image.Image:
-    """Return a frame, drawn at twice the size, as a panel."""
+    """Return a frame, drawn at twice the size, as a panel of the animation."""
     return Image.fromarray(np.ascontiguousarray(frame[..., :3])).resize((WIDTH, HEIGHT), Image.Resampling.BOX)
 
 
 def caption(surround: str) -> Image.Image:
-    """Return the page without its panels: what each is called, on the colour that surrounds the stages."""
+    """Return the background with the titles of the panels, in the color around the stages."""
     width, height = 3 * WIDTH, 2 * (HEIGHT + CAPTION)
     figure = Figure(figsize=(width / 100, height / 100), dpi=100, facecolor=surround)
     canvas = FigureCanvasAgg(figure)

@@ -1,4 +1,4 @@
-"""Write the tables of docs/robotarium.md between its markers: parameters and descriptors, simulated and on robots."""
+"""Write the tables of docs/robotarium.md between its markers: parameters and descriptors of each platform."""
 
 import re
 import sys
@@ -19,26 +19,26 @@ _ALIKE = {"emotion", "seed", "video", "safety"}  # of all scenes, or said in the
 
 
 def leaves(data: object, path: str = "") -> dict[str, object]:
-    """Return the values of nested groups by their dotted keys."""
+    """Return the values of nested groups by dotted key."""
     if isinstance(data, dict):
         return {key: value for name, item in data.items() for key, value in leaves(item, f"{path}.{name}").items()}
     return {path.removeprefix("."): data}
 
 
 def keys_of(scene: Scene) -> dict[str, object]:
-    """Return the keys of a scene that may differ between places, its robot by name."""
+    """Return the keys of a scene that may differ between platforms, with the robot by name."""
     keys = scene.resolved()
     keys["robot"] |= {"model": scene.robot.body.name, "limits": "model" if scene.robot.limits else None}
     return leaves({name: value for name, value in keys.items() if name not in _ALIKE})
 
 
 def named(place: str, emotion: str) -> str:
-    """Return the name of an emotion's scene at a place."""
+    """Return the name of the scene of an emotion on a platform."""
     return f"{place}/{emotion}" if place else emotion
 
 
 def parameters(emotion: str) -> list[list[str]]:
-    """Return a row for each key of an emotion's scene that differs between the places."""
+    """Return a row for each key of the scene of an emotion that differs between platforms."""
     scenes = [load_scene(named(place, emotion)) for place in PLACES]
     keys = [keys_of(scene) for scene in scenes]
     for known, scene in zip(keys, scenes, strict=True):
@@ -51,7 +51,7 @@ def parameters(emotion: str) -> list[list[str]]:
 
 
 def descriptors(emotion: str) -> list[list[str]]:
-    """Return a row for each descriptor that is shown, of the part of the run up to the last snapshot."""
+    """Return a row for each descriptor, measured up to the last snapshot."""
     found = [describe(simulate(load_scene(named(place, emotion)))) for place in PLACES]
     rows = []
     for name in SHOWN:
@@ -84,7 +84,7 @@ def _text(value: object) -> str:
 
 
 def with_tables(page: str, made: str) -> str:
-    """Return the page with the tables in place of those between its markers."""
+    """Return the page with the tables between its markers replaced."""
     return re.sub(r"(?<=<!-- tables -->\n).*(?=<!-- end -->)", lambda _: f"\n{made}\n\n", page, flags=re.DOTALL)
 
 

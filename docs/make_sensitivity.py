@@ -1,4 +1,4 @@
-"""Write docs/sensitivity.png and docs/sensitivity.md: how descriptors move with l and K about the shipped values."""
+"""Write docs/sensitivity.png and docs/sensitivity.md: descriptors against l and K around the shipped values."""
 
 import sys
 from pathlib import Path
@@ -20,7 +20,7 @@ MARKERS = dict(zip(EMOTIONS, "os^vDP", strict=True))
 
 
 def measured(emotion: str, key: str, factor: float) -> list[float]:
-    """Return the means over the seeds of the shown descriptors, with a robot's `key` at so many times its value."""
+    """Return the descriptors, averaged over seeds, with `key` of the robot multiplied by `factor`."""
     shipped = getattr(load_scene(emotion).robot, key)
     runs = []
     for seed in SEEDS:
@@ -32,7 +32,7 @@ def measured(emotion: str, key: str, factor: float) -> list[float]:
 
 @in_style()
 def sensitivity_figure(values: dict[tuple[str, str], np.ndarray]) -> Figure:
-    """Return the figure: a row for each descriptor, a column for each key, a line for each emotion."""
+    """Return the figure: one row per descriptor, one column per key, one line per emotion."""
     figure = Figure(figsize=(DOUBLE_COLUMN, 8.6), layout="constrained")
     axes = figure.subplots(len(SHOWN), len(KEYS), sharex="col", sharey="row")
     for (emotion, key), found in values.items():
@@ -60,7 +60,7 @@ def sensitivity_figure(values: dict[tuple[str, str], np.ndarray]) -> Figure:
 
 
 def table(values: dict[tuple[str, str], np.ndarray]) -> str:
-    """Return the same as Markdown, at a half, one and two times each key."""
+    """Return the same values as Markdown, at half, one and two times each key."""
     lines = ["| emotion | key | times | " + " | ".join(SHOWN) + " |", "|---" * (3 + len(SHOWN)) + "|"]
     for (emotion, key), found in values.items():
         for factor in (0.5, 1, 2):

@@ -1,4 +1,4 @@
-"""Take the picture of the survey in the README: four pages on a phone, side by side. Needs Chromium.
+"""Take the screenshot of the survey for the README: four pages on a phone, side by side. Needs Chromium.
 
 Usage: python docs/make_survey_picture.py FILE.png
 """
@@ -36,7 +36,7 @@ def main(target: str) -> None:
 
 
 def screens(address: str) -> list[Image.Image]:
-    """Return what a participant sees: instructions, a video that runs, the choice, the review."""
+    """Return screenshots of the instructions, a playing video, the choice and the review."""
     with sync_playwright() as playwright:
         path = shutil.which("chromium") or shutil.which("google-chrome")
         browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox", "--disable-gpu"])
@@ -65,18 +65,18 @@ def screens(address: str) -> list[Image.Image]:
 
 
 def press(page: Page, button: str, then: str) -> None:
-    """Press a button, and wait for the page that it leads to."""
+    """Press a button and wait for the next page."""
     page.get_by_role("button", name=button).click()
     page.wait_for_url(f"**/{then}")
 
 
 def taken_of(page: Page) -> Image.Image:
-    """Return what is on the screen."""
+    """Return a screenshot."""
     return Image.open(io.BytesIO(page.screenshot())).convert("RGB")
 
 
 def beside(pages: list[Image.Image]) -> Image.Image:
-    """Return the pages in a row, on grey."""
+    """Return the pages in a row, on gray."""
     sheet = Image.new("RGB", (len(pages) * (WIDTH + GAP) + GAP, HEIGHT + 2 * GAP), "#c9cdd2")
     for i, page in enumerate(pages):
         sheet.paste(page, (GAP + i * (WIDTH + GAP), GAP))

@@ -1,4 +1,4 @@
-"""Read the answers of a study and say how well each emotion was recognised.
+"""Read the answers of a study and print how well each emotion was recognized.
 
 For answers to try it on: emovid study simulate -o responses.csv
 """

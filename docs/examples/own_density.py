@@ -1,4 +1,4 @@
-"""Give fear a density of its own: a small crowd on the left of the stage and a wide one on the right."""
+"""Give fear another density: a small crowd on the left of the stage and a wide one on the right."""
 
 from emovid import load_scene, render_video, simulate
 

@@ -1,4 +1,4 @@
-"""Render an emotion as a video, half as long and from another seed."""
+"""Render an emotion as a video, half as long and with another seed."""
 
 from emovid import load_scene, render_video, simulate
 

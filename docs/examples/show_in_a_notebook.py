@@ -1,4 +1,4 @@
-"""In a notebook, the last line of this cell plays the video under it, again and again."""
+"""Show a looping video in a notebook: the last line of the cell displays the player."""
 
 from emovid import load_scene, show, simulate
 

@@ -1,4 +1,4 @@
-"""A trajectory as a pandas table: how far does each robot go, and how fast at most?"""
+"""Convert a trajectory to a pandas table: distance and maximum speed of each robot."""
 
 import numpy as np
 
