@@ -33,7 +33,10 @@ BENCHES = {
     "gate": "The paper's claims on 50 seeds",
     "robotarium_safety": "The Robotarium scenes on 50 seeds",
 }
-TITLE = "# Measurements\n\n`make bench` runs all benchmarks and updates this page; `make bench ONLY=render_cost` runs one.\n"
+TITLE = """# Measurements
+
+`make bench` runs all benchmarks and updates this page; `make bench ONLY=render_cost` runs one.
+"""
 
 
 def machine() -> str:
