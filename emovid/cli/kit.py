@@ -2,7 +2,7 @@
 
 import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -17,8 +17,9 @@ from emovid.cli.terminal import counting, show_table
 from emovid.kit.audit import Audit
 from emovid.kit.audit import audit as audit_kit
 from emovid.kit.build import build as build_kit
-from emovid.kit.export import TOOLS
+from emovid.kit.export import TOOLS, check_export, is_possible
 from emovid.kit.export import export as export_kit
+from emovid.kit.exports.design import DesignPart
 from emovid.kit.folder import open_kit
 from emovid.kit.load import load_study, start_study
 from emovid.kit.orders import Balance
@@ -147,19 +148,36 @@ def export(
         str, typer.Option("--video-url", help="Address of the videos for Qualtrics or LimeSurvey.")
     ] = "videos",
     responses: Responses = None,
+    check: Annotated[
+        bool, typer.Option("--check", help="Only print what the tool can do with this kit; exit with 1 if too little.")
+    ] = False,
     quiet: Quiet = False,
 ) -> None:
     """Export a kit to a survey tool, as a data set or a draft.
 
     Drafts of a preregistration and a reporting checklist are filled in from the kit.
 
-    Example: emovid study export kit/ --to jspsych
+    Examples: emovid study export kit/ --to jspsych · emovid study export kit/ --to limesurvey --check
     """
+    if check:
+        parts = check_export(open_kit(kit), to)
+        _show_parts(parts)
+        raise typer.Exit(0 if is_possible(parts) else 1)
     written = export_kit(open_kit(kit), to, output, video_url, responses or [])
-    if not quiet:
-        names = [path.name for path in written]
-        start = "README.md" if "README.md" in names else names[0]
-        print(f"{output or kit / 'exports' / to}: {len(written)} files; start with {start}", file=sys.stderr)
+    if quiet:
+        return
+    names = [path.name for path in written.files]
+    start = "README.md" if "README.md" in names else names[0]
+    print(f"{output or kit / 'exports' / to}: {len(names)} files; start with {start}", file=sys.stderr)
+    for warning in written.warnings:
+        print(f"warning: {warning}", file=sys.stderr)
+
+
+def _show_parts(parts: Sequence[DesignPart]) -> None:
+    table = Table("part", "in this kit", "in the tool", "note", box=box.SIMPLE)
+    for part in parts:
+        table.add_row(part.name, part.value, part.support.status.value, part.support.note)
+    show_table(table)
 
 
 def _show(found: Audit, unblind: bool) -> None:

@@ -1,6 +1,6 @@
 """The audit of a kit: what could reveal an emotion to participants, and whether the kit is complete and balanced."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from emovid.kit.checks.texts import check_manifest, check_pages, check_secrets
 from emovid.kit.checks.videos import check_alike, check_content, check_decoding, check_scenes
 from emovid.kit.folder import Kit, open_kit
 from emovid.kit.mp4 import content_size
-from emovid.kit.orders import Balance, Order, balance_of, largest_spread
+from emovid.kit.orders import Balance, balance_of, largest_spread, sets_of
 from emovid.responses.read import read_responses
 from emovid.responses.responses import Responses
 
@@ -165,14 +165,6 @@ def check_orders(kit: Kit) -> Iterator[Finding]:
             if largest is not None and spread > largest:
                 message = f"counts of {what} differ by {spread}; expected at most {largest} for {manifest.order_scheme}"
                 yield Finding("orders", _ORDERS, message)
-
-
-def sets_of(orders: Iterable[Order]) -> dict[Order, list[Order]]:
-    """Return the orders by the set of videos that they show."""
-    found: dict[Order, list[Order]] = {}
-    for order in orders:
-        found.setdefault(tuple(sorted(order)), []).append(order)
-    return found
 
 
 def _left(kit: Kit, key: Path | None, responses: Sequence[Path]) -> Answered:

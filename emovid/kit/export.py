@@ -2,40 +2,73 @@
 
 import os
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from emovid.atomic_io import make_folder, whole_file
 from emovid.errors import InputError, nearest, reason
+from emovid.kit.exports import jspsych, limesurvey, psychopy, qualtrics
 from emovid.kit.exports.checklist import checklist
-from emovid.kit.exports.jspsych import jspsych
-from emovid.kit.exports.limesurvey import limesurvey
+from emovid.kit.exports.design import REVISION, DesignPart, Limits, Status, design_of
 from emovid.kit.exports.prereg import prereg
 from emovid.kit.exports.psych_ds import psych_ds
-from emovid.kit.exports.psychopy import psychopy
-from emovid.kit.exports.qualtrics import qualtrics
 from emovid.kit.exports.texts import Files
 from emovid.kit.folder import TIME, Kit, write_text
 from emovid.kit.seeded_random import is_code
 from emovid.responses.read import read_responses
 from emovid.responses.responses import Responses
 
-_WITH_VIDEOS = ("jspsych", "psychopy", "qualtrics", "limesurvey")
-_TOOLS: dict[str, Callable[[Kit, str, Responses | None], Files]] = {
-    "jspsych": lambda kit, *_: jspsych(kit),
-    "psychopy": lambda kit, *_: psychopy(kit),
-    "qualtrics": lambda kit, video_url, _: qualtrics(kit, video_url),
-    "limesurvey": lambda kit, video_url, _: limesurvey(kit, video_url),
+TOOLS: dict[str, Callable[[Kit, str, Responses | None], Files]] = {
+    "jspsych": lambda kit, *_: jspsych.jspsych(kit),
+    "psychopy": lambda kit, *_: psychopy.psychopy(kit),
+    "qualtrics": lambda kit, video_url, _: qualtrics.qualtrics(kit, video_url),
+    "limesurvey": lambda kit, video_url, _: limesurvey.limesurvey(kit, video_url),
     "psych-ds": lambda kit, _, responses: psych_ds(kit, responses),
     "prereg": lambda kit, *_: prereg(kit),
     "checklist": lambda kit, *_: checklist(kit),
 }
-TOOLS = tuple(_TOOLS)
+_LIMITS: dict[str, Callable[[Kit], Limits]] = {
+    "jspsych": jspsych.limits,
+    "psychopy": psychopy.limits,
+    "qualtrics": qualtrics.limits,
+    "limesurvey": limesurvey.limits,
+}
+_BY_ADDRESS = ("qualtrics", "limesurvey")
+_HERE = "videos"
+# Parts that do not decide who is shown or asked what: an export without them is still of the study.
+_OPTIONAL = (REVISION,)
+
+
+@dataclass(frozen=True)
+class Exported:
+    """Files of an export, and warnings about it."""
+
+    files: tuple[Path, ...]
+    warnings: tuple[str, ...]
+
+
+def check_export(kit: Kit, tool: str) -> list[DesignPart]:
+    """Return the parts of the design of a kit, and how far a survey tool carries each of them.
+
+    Raises:
+        InputError: for an unknown tool, or one that is no survey tool.
+    """
+    _check_tool(tool)
+    if tool not in _LIMITS:
+        raise InputError(f"--check: {tool} runs no survey; expected --to {', '.join(_LIMITS)}")
+    kit.need_orders()
+    return design_of(kit, _LIMITS[tool](kit))
+
+
+def is_possible(parts: Sequence[DesignPart]) -> bool:
+    """Return whether a tool can carry a design, be it with work by hand."""
+    return not _impossible(parts)
 
 
 def export(
-    kit: Kit, tool: str, folder: Path | None = None, video_url: str = "videos", responses: Sequence[Path] = ()
-) -> list[Path]:
-    """Write the files of a kit for one of the `TOOLS` and return their paths.
+    kit: Kit, tool: str, folder: Path | None = None, video_url: str = _HERE, responses: Sequence[Path] = ()
+) -> Exported:
+    """Write the files of a kit for one of the `TOOLS`.
 
     Args:
         kit: a finished kit.
@@ -45,27 +78,53 @@ def export(
         responses: exports of the survey, for the data set.
 
     Raises:
-        InputError: for an unknown tool, a kit without orders or videos, and invalid responses.
+        InputError: for an unknown tool, a design that it cannot carry, a kit without orders or videos, and invalid
+            responses.
         EmovidError: if something cannot be written.
     """
-    if tool not in TOOLS:
-        raise InputError(f"--to {tool}: expected one of {', '.join(TOOLS)}{nearest(tool, TOOLS)}")
+    _check_tool(tool)
     if folder is not None and folder.exists() and not folder.is_dir():
         raise InputError(f"-o {folder}: is a file; expected a folder")
     if responses and tool != "psych-ds":
         raise InputError(f"--responses: {tool} contains no answers; expected --to psych-ds")
     kit.need_orders()
+    warnings = _warnings(check_export(kit, tool), tool, video_url) if tool in _LIMITS else ()
     answers = None
     if responses:
         mapping = kit.folder.map if kit.folder.map.is_file() else None
         answers = read_responses(list(responses), key=kit.folder.key, mapping=mapping)
     target = folder or kit.folder.exports / tool
     written = []
-    for name, text in _TOOLS[tool](kit, video_url, answers).items():
+    for name, text in TOOLS[tool](kit, video_url, answers).items():
         make_folder((target / name).parent)
         write_text(target / name, text)
         written.append(target / name)
-    return written + (_copied(kit, target / "videos") if tool in _WITH_VIDEOS else [])
+    videos = _copied(kit, target / "videos") if tool in _LIMITS else []
+    return Exported((*written, *videos), warnings)
+
+
+def _check_tool(tool: str) -> None:
+    if tool not in TOOLS:
+        raise InputError(f"--to {tool}: expected one of {', '.join(TOOLS)}{nearest(tool, TOOLS)}")
+
+
+def _impossible(parts: Sequence[DesignPart]) -> list[DesignPart]:
+    return [part for part in parts if part.support.status is Status.MISSING and part.name not in _OPTIONAL]
+
+
+def _warnings(parts: Sequence[DesignPart], tool: str, video_url: str) -> tuple[str, ...]:
+    """Return what an export leaves to the researcher; refuse one that cannot carry the design."""
+    if impossible := _impossible(parts):
+        reasons = "; ".join(f"{part.name} ({part.value}): {part.support.note}" for part in impossible)
+        raise InputError(f"--to {tool}: cannot carry the design: {reasons}")
+    found = []
+    if tool in _BY_ADDRESS and video_url == _HERE:
+        found.append("no --video-url: the survey names videos/CODE.mp4, which no server has; export again with it")
+    for status in (Status.BY_HAND, Status.CHANGED, Status.MISSING):
+        names = [part.name for part in parts if part.support.status is status]
+        if names:
+            found.append(f"{status.value}: {', '.join(names)}; see README.md")
+    return tuple(found)
 
 
 def _copied(kit: Kit, folder: Path) -> list[Path]:

@@ -6,7 +6,7 @@ number of videos the construction needs two squares, the second with reversed ro
 square exists).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Literal
@@ -120,6 +120,14 @@ def balance_of(orders: Sequence[Sequence[str]], videos: Sequence[str], places: i
             if first in number and second in number:
                 after[number[first], number[second]] += 1
     return Balance(tuple(videos), at, after)
+
+
+def sets_of(orders: Iterable[Order]) -> dict[Order, list[Order]]:
+    """Return the orders by the set of videos that they show, each set sorted."""
+    found: dict[Order, list[Order]] = {}
+    for order in orders:
+        found.setdefault(tuple(sorted(order)), []).append(order)
+    return found
 
 
 def williams_square(n: int) -> list[list[int]]:

@@ -1,8 +1,11 @@
 """A study of six very small videos, for tests."""
 
+import struct
 from pathlib import Path
+from unittest.mock import patch
 
 from emovid.kit.build import Built, build
+from emovid.kit.folder import Kit, open_kit
 from emovid.kit.load import load_study
 
 LABELS = ("happiness", "surprise", "anger", "fear", "disgust", "sadness")
@@ -53,3 +56,15 @@ def make_kit(folder: Path, text: str = STUDY, participants: int = 12, seed: int 
     """Build a kit at `folder`/kit of the study at `folder`/study."""
     loaded = load_study(write_study(folder / "study", text))
     return build(loaded, folder / "kit", participants, seed, how.pop("report", Silent()), **how)
+
+
+def make_kit_of_placeholders(folder: Path, text: str = STUDY, participants: int = 12, seed: int = SEED) -> Kit:
+    """Build a kit as `make_kit` does, whose videos are MP4 boxes with the code of the video, and open it."""
+
+    def write(stimulus, look, target, seed, on_frame) -> None:
+        content = stimulus.code.encode()
+        target.write_bytes(struct.pack(">I4s", 8 + len(content), b"mdat") + content)
+
+    with patch("emovid.kit.build.make", write):
+        make_kit(folder, text, participants, seed)
+    return open_kit(folder / "kit")

@@ -1,6 +1,7 @@
 """What is written for other tools, and read back from what they would make of it."""
 
 import csv
+import html
 import io
 import json
 import re
@@ -18,7 +19,8 @@ from emovid.kit.folder import Kit, open_kit
 from emovid.responses.read import read_responses
 from emovid.statistics.analyze import analyze
 from emovid.statistics.power import plan
-from tests.helpers.tiny import LABELS, STUDY, make_kit
+from tests.helpers.limesurvey import seen
+from tests.helpers.tiny import LABELS, STUDY, make_kit, make_kit_of_placeholders
 
 # Labels that no dictionary of ours knows, in another script, with marks that formats must quote.
 GREEK = """\
@@ -148,9 +150,9 @@ def test_qualtrics_data_are_read_back(greek, tmp_path) -> None:
     assert asked["gender"] == ["Woman", "Man", "Another gender"]
     assert len(asked["consent"]) == 2
     for code in greek.manifest.codes:
-        assert f'src="https://example.org/videos/{code}.mp4"' in survey
+        assert f"src='https://example.org/videos/{code}.mp4'" in survey
         assert len(asked[code]) == 7
-        assert asked[f"{code}_confidence"] == list("1234567")
+        assert asked[f"{code}_confidence"] == [str(step) for step in range(1, 102)]
     texts = {answer.label: answer.text for answer in greek.manifest.choices.labels}
     header = ["ResponseId", "Finished", *asked]
     imports = [json.dumps({"ImportId": f"QID{i}"}) for i in range(len(header))]
@@ -179,7 +181,9 @@ def test_limesurvey_data_are_read_back(greek, tmp_path, full) -> None:
     groups = [row for row in rows if row["class"] == "G" and row["random_group"] == "videos"]
     assert [row["name"] for row in groups] == greek.manifest.codes
     first = next(i for i, row in enumerate(rows) if row["class"] == "Q" and row["name"] in greek.manifest.codes)
-    codes = {row["text"]: row["name"] for row in takewhile(lambda row: row["class"] == "A", rows[first + 1 :])}
+    codes = {
+        html.unescape(row["text"]): row["name"] for row in takewhile(lambda row: row["class"] == "A", rows[first + 1 :])
+    }
     texts = {answer.label: answer.text for answer in greek.manifest.choices.labels}
     assert list(codes) == list(texts.values())
     header = ["id", "submitdate", "lastpage", "startlanguage", "seed", *names]
@@ -251,8 +255,7 @@ def test_answers_without_places_and_with_groups_of_any_name_are_in_the_data_set(
 
 def test_the_last_page_has_the_completion_code_and_the_way_back(tmp_path) -> None:
     said = 'thanks: {text: Thank you., code: "C0DE <1>", link: "https://example.org/?a=1&b=2"}'
-    make_kit(tmp_path, STUDY.replace("duration: 1}", "duration: 0.2}").replace("thanks: {text: Thank you.}", said))
-    kit = open_kit(tmp_path / "kit")
+    kit = make_kit_of_placeholders(tmp_path, STUDY.replace("thanks: {text: Thank you.}", said))
     page = (
         "<p>Thank you.</p><p>Your completion code: C0DE &lt;1&gt;</p>"
         '<p><a href="https://example.org/?a=1&amp;b=2">Return to the recruitment service</a></p>'
@@ -267,16 +270,17 @@ def test_a_line_of_text_and_no_questions_at_all_are_exported_too(tmp_path) -> No
     line = 'demographics:\n  - {name: home_country, question: "Where do you live?", required: false}\n'
     short = STUDY.replace("duration: 1}", "duration: 0.2}")
     for name, text in (("line", short.replace(about, line)), ("none", short.replace(about, ""))):
-        make_kit(tmp_path / name, text)
-        kit = open_kit(tmp_path / name / "kit")
+        kit = make_kit_of_placeholders(tmp_path / name, text)
         export(kit, "limesurvey")
         export(kit, "qualtrics")
         rows = list(csv.DictReader(io.StringIO(written(kit, "limesurvey", "survey.txt")), delimiter="\t"))
         asked = {row["name"]: row for row in rows if row["class"] == "Q"}
         blocks = re.findall(r"^\[\[Block:(.*)\]\]$", written(kit, "qualtrics", "survey.txt"), re.MULTILINE)
         if name == "line":
-            question = asked["homecountry"]
-            assert (question["type/scale"], question["mandatory"], question["text"]) == ("S", "N", "Where do you live?")
+            question = asked["homeUcountry"]
+            assert (question["type/scale"], question["mandatory"], seen(question["text"])) == (
+                "S", "N", ["Where do you live?"]
+            )  # fmt: skip
             assert "[[Question:TE:SingleLine]]\n[[ID:home_country]]" in written(kit, "qualtrics", "survey.txt")
         else:
             assert set(asked) == {"consent", "instructions", *kit.manifest.codes}
@@ -313,9 +317,8 @@ def test_the_preregistration_says_what_the_kit_knows(greek) -> None:
 
 
 def test_exemplars_of_an_emotion_are_one_test_of_the_plan_and_of_the_preregistration(tmp_path) -> None:
-    make_kit(tmp_path, STUDY.replace("duration: 1}", "duration: 0.2}") + "exemplars: 2\n")
-    kit = open_kit(tmp_path / "kit")
-    path = export(kit, "prereg")[0]
+    kit = make_kit_of_placeholders(tmp_path, STUDY + "exemplars: 2\n")
+    path = export(kit, "prereg").files[0]
     text = " ".join(path.read_text().split())
     assert "12 videos, 2 exemplars of each" in text
     assert "corrected for 6 emotions by Holm's method" in text

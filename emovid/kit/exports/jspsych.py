@@ -3,6 +3,7 @@
 import html
 import json
 
+from emovid.kit.exports.design import ORDERS, REVISION, Limits, changed, design_of, listed, missing
 from emovid.kit.exports.texts import Files, template
 from emovid.kit.folder import Kit
 
@@ -17,6 +18,14 @@ _SHOWN = (  # of the manifest
     "title", "question", "choices", "ratings", "demographics", "consent", "instructions", "thanks", "texts",
     "key_commitment",
 )  # fmt: skip
+
+
+def limits(kit: Kit) -> Limits:  # noqa: ARG001 - the same for all kits
+    """Return the parts of the design that jsPsych does not carry as they are."""
+    return {
+        ORDERS: changed("Without ?participant=... in the address, a row of orders.csv is chosen at random."),
+        REVISION: missing("jsPsych cannot return to an earlier video."),
+    }
 
 
 def jspsych(kit: Kit) -> Files:
@@ -44,4 +53,5 @@ def _readme(kit: Kit) -> str:
         for package, sources in RELEASE.items()
         for source, target in sources.items()
     )
-    return template("jspsych.md", title=kit.manifest.title, files=files, first=next(iter(kit.orders)))
+    left = listed(design_of(kit, limits(kit)))
+    return template("jspsych.md", title=kit.manifest.title, files=files, first=next(iter(kit.orders)), left=left)

@@ -3,49 +3,167 @@
 import csv
 import io
 
-from emovid.kit.exports.texts import Files, paragraphs, template, thanks, video_tag
+from emovid.errors import InputError
+from emovid.kit.exports.design import (
+    CHOICES,
+    ORDERS,
+    REVISION,
+    SETS,
+    WATCHING,
+    Limits,
+    by_hand,
+    changed,
+    design_of,
+    listed,
+)
+from emovid.kit.exports.texts import Files, escaped, paragraphs, template, thanks, video_element
 from emovid.kit.folder import Kit
+from emovid.kit.manifest import Manifest
+from emovid.kit.orders import sets_of
 from emovid.kit.study import Question
 from emovid.responses.labels import NONE
 
 # Columns of the structure file: https://www.limesurvey.org/manual/Tab_Separated_Value_survey_structure
 _COLUMNS = (
     "id", "related_id", "class", "type/scale", "name", "relevance", "text", "help", "language", "validation",
-    "mandatory", "encrypted", "other", "default", "same_default", "random_group", "slider_min", "slider_max",
-    "slider_accuracy", "slider_layout", "slider_separator",
+    "mandatory", "encrypted", "other", "default", "same_default", "random_group", "answer_order", "hidden",
+    "slider_min", "slider_max", "slider_accuracy", "slider_layout", "slider_separator",
 )  # fmt: skip
+_AGREED = "consent.NAOK == 'Y'"  # in LimeSurvey's ExpressionScript
+_SET = "videoset"
+
 Row = dict[str, object]
 
 
+def limits(kit: Kit) -> Limits:
+    """Return the parts of the design that LimeSurvey does not carry as they are."""
+    found = {
+        WATCHING: by_hand("LimeSurvey cannot require it: ask for it in the instructions, or add JavaScript."),
+        REVISION: changed("Participants can go back page by page."),
+    }
+    if kit.manifest.order_scheme != "random":
+        found[ORDERS] = changed("LimeSurvey draws a random order for each participant: balanced only on average.")
+    if len(sets_of(kit.orders.values())) > 1:
+        found[SETS] = changed(f"The hidden question {_SET} draws a set for each participant: equal only on average.")
+    if kit.manifest.choices.order == "random":
+        found[CHOICES] = changed("LimeSurvey draws an order for each video, and does not record it.")
+    return found
+
+
 def limesurvey(kit: Kit, video_url: str) -> Files:
-    """Return the structure file, with the videos at an address, and a README."""
+    """Return the structure file, with the videos at an address, and a README.
+
+    Raises:
+        InputError: if two questions would get the same name.
+    """
     manifest = kit.manifest
-    rows: list[Row] = [
+    rows = [*_settings(manifest), *_first_groups(kit)]
+    sets = list(sets_of(kit.orders.values()))
+    for code in manifest.codes:
+        seen = [str(number) for number, codes in enumerate(sets, start=1) if code in codes]
+        shown = _AGREED if len(sets) == 1 else f"{_AGREED} and ({' or '.join(f'{_SET}.NAOK == {n}' for n in seen)})"
+        rows.append({"class": "G", "name": code, "relevance": shown, "random_group": "videos"})
+        rows += _video(manifest, code, video_url)
+    names = [str(row["name"]) for row in rows if row["class"] == "Q"]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"{kit.folder.manifest}: two questions would be called {name}; rename that of the study")
+    words = {_escaped(choice.text): choice.label for choice in manifest.choices.labels} | _codes(manifest)
+    return {
+        "survey.txt": _table(rows, manifest.language),
+        "map.yaml": manifest.map_yaml(words),
+        "README.md": template("limesurvey.md", title=manifest.title, left=listed(design_of(kit, limits(kit)))),
+    }
+
+
+def question_name(name: str) -> str:
+    """Return a name in LimeSurvey, which allows only letters and digits: `age_1` becomes ageU1, `age1` stays."""
+    return name.replace("_", "U")  # names in studies are lowercase
+
+
+def _settings(manifest: Manifest) -> list[Row]:
+    end = f"{{if({_AGREED}, '{thanks(manifest, _escaped)}', '{paragraphs(manifest.consent.declined, _escaped)}')}}"
+    return [
         {"class": "S", "name": "language", "text": manifest.language},
         {"class": "S", "name": "format", "text": "G"},
         {"class": "S", "name": "allowprev", "text": "Y"},
-        {"class": "SL", "name": "surveyls_title", "text": manifest.title},
-        {"class": "SL", "name": "surveyls_endtext", "text": thanks(manifest)},
+        {"class": "S", "name": "showgroupinfo", "text": "X"},  # groups are named for researchers, in English
+        {"class": "SL", "name": "surveyls_title", "text": _escaped(manifest.title)},
+        {"class": "SL", "name": "surveyls_endtext", "text": end},
+    ]
+
+
+def _first_groups(kit: Kit) -> list[Row]:
+    """Return consent, questions about the participant, the draw of a set, and instructions."""
+    manifest = kit.manifest
+    agreement = dict(zip("YN", (manifest.consent.agree, manifest.consent.decline), strict=True))
+    rows: list[Row] = [
         {"class": "G", "name": "Consent"},
-        *_choice("consent", paragraphs(manifest.consent.text), dict(zip("YN", _agreement(kit), strict=True))),
+        *_choice("consent", paragraphs(manifest.consent.text, _escaped), agreement),
     ]
-    agreed = 'consent.NAOK == "Y"'
     if manifest.demographics:
-        rows.append({"class": "G", "name": manifest.texts.about_you, "relevance": agreed})
-        rows += [row for item in manifest.demographics for row in _item(item)]
-    rows += [
-        {"class": "G", "name": "Instructions", "relevance": agreed},
-        {"class": "Q", "type/scale": "X", "name": "instructions", "text": paragraphs(manifest.instructions)},
+        rows.append({"class": "G", "name": "About you", "relevance": _AGREED})
+        rows += [row for question in manifest.demographics for row in _question(question)]
+    rows.append({"class": "G", "name": "Instructions", "relevance": _AGREED})
+    if (sets := len(sets_of(kit.orders.values()))) > 1:
+        draw = f"{{if(is_empty({_SET}.NAOK), rand(1, {sets}), {_SET}.NAOK)}}"  # drawn once: pages are evaluated again
+        rows.append({"class": "Q", "type/scale": "*", "name": _SET, "text": draw, "mandatory": "N", "hidden": 1})
+    text = _named("instructions", paragraphs(manifest.instructions, _escaped))
+    return [*rows, {"class": "Q", "type/scale": "X", "name": "instructions", "text": text}]
+
+
+def _video(manifest: Manifest, code: str, video_url: str) -> list[Row]:
+    video = video_element(code, video_url, _escaped)
+    order = {"answer_order": "random"} if manifest.choices.order == "random" else {}
+    answers = {code: choice.text for code, choice in zip(_codes(manifest), manifest.choices.labels, strict=True)}
+    rows = _choice(code, f"{video}{paragraphs(manifest.question, _escaped)}", answers, order=order)
+    for rating in manifest.ratings:
+        slider = {"slider_min": 1, "slider_max": rating.steps, "slider_accuracy": 1}
+        ends = {"slider_layout": 1, "slider_separator": "|"}
+        text = _named(f"{code}_{rating.name}", _escaped(rating.question))
+        question: Row = {"class": "Q", "type/scale": "K", "name": f"{code}{rating.name}", "text": text}
+        rows += [question | {"mandatory": "Y"} | slider | ends]
+        rows += [{"class": "SQ", "name": "SQ1", "text": f"|{_escaped(rating.low)}|{_escaped(rating.high)}"}]
+    return rows
+
+
+def _question(question: Question) -> list[Row]:
+    if question.choices is not None:
+        answers = {f"A{number}": choice for number, choice in enumerate(question.choices, start=1)}
+        return _choice(question.name, _escaped(question.question), answers, needed=question.required)
+    needed = "Y" if question.required else "N"
+    text = _named(question.name, _escaped(question.question))
+    name = question_name(question.name)
+    return [{"class": "Q", "type/scale": "S", "name": name, "text": text, "mandatory": needed}]
+
+
+def _choice(
+    name: str, text: str, answers: dict[str, str], *, needed: bool = True, order: dict[str, str] | None = None
+) -> list[Row]:
+    question: Row = {"class": "Q", "type/scale": "L", "name": question_name(name), "text": _named(name, text)}
+    question |= {"mandatory": "Y" if needed else "N"} | (order or {})
+    return [question] + [
+        {"class": "A", "type/scale": 0, "name": code, "text": _escaped(answer)} for code, answer in answers.items()
     ]
-    for code in manifest.codes:
-        rows.append({"class": "G", "name": code, "relevance": agreed, "random_group": "videos"})
-        rows += _video(kit, code, video_url)
-    codes = {answer_code(answer.label, i): answer.label for i, answer in enumerate(manifest.choices.labels, start=1)}
-    return {
-        "survey.txt": _table(rows, manifest.language),
-        "map.yaml": manifest.map_yaml(codes),
-        "README.md": template("limesurvey.md", title=manifest.title),
-    }
+
+
+def _named(name: str, text: str) -> str:
+    """Return a question's text after its name, which participants do not see, and exports with full texts keep."""
+    return f"<span style='display:none'>{name}: </span>{text}"
+
+
+def _escaped(text: str) -> str:
+    r"""Return text as HTML that LimeSurvey shows as written.
+
+    Braces are ExpressionScript, a bar ends the label of a slider, and PHP reads \\" in a table as one character.
+    """
+    return escaped(text, "{}|\\")
+
+
+def _codes(manifest: Manifest) -> dict[str, str]:
+    """Return the label of each answer code, which has at most five characters."""
+    labels = enumerate((choice.label for choice in manifest.choices.labels), start=1)
+    return {"AN" if label == NONE else f"A{number}": label for number, label in labels}
 
 
 def _table(rows: list[Row], language: str) -> str:
@@ -55,41 +173,3 @@ def _table(rows: list[Row], language: str) -> str:
     for number, row in enumerate(rows, start=1):
         writer.writerow({"id": number, "relevance": "1", "language": "" if row["class"] == "S" else language} | row)
     return "\ufeff" + text.getvalue()
-
-
-def _agreement(kit: Kit) -> list[str]:
-    return [kit.manifest.consent.agree, kit.manifest.consent.decline]
-
-
-def _choice(name: str, text: str, answers: dict[str, str], mandatory: bool = True) -> list[Row]:
-    needed = "Y" if mandatory else "N"
-    question: Row = {"class": "Q", "type/scale": "L", "name": name, "text": text, "mandatory": needed}
-    listed: list[Row] = [{"class": "A", "type/scale": 0, "name": code, "text": said} for code, said in answers.items()]
-    return [question, *listed]
-
-
-def _item(item: Question) -> list[Row]:
-    name = item.name.replace("_", "")  # names consist of letters and digits
-    if item.choices is None:
-        needed = "Y" if item.required else "N"
-        return [{"class": "Q", "type/scale": "S", "name": name, "text": item.question, "mandatory": needed}]
-    answers = {f"A{i}": choice for i, choice in enumerate(item.choices, start=1)}
-    return _choice(name, item.question, answers, item.required)
-
-
-def _video(kit: Kit, code: str, video_url: str) -> list[Row]:
-    manifest = kit.manifest
-    answers = {answer_code(label.label, i): label.text for i, label in enumerate(manifest.choices.labels, start=1)}
-    rows = _choice(code, f"{video_tag(code, video_url)}{paragraphs(manifest.question)}", answers)
-    for rating in manifest.ratings:
-        slider = {"slider_min": 1, "slider_max": rating.steps, "slider_accuracy": 1}
-        ends = {"slider_layout": 1, "slider_separator": "|"}
-        question = {"class": "Q", "type/scale": "K", "name": f"{code}{rating.name}", "text": rating.question}
-        rows += [question | {"mandatory": "Y"} | slider | ends]
-        rows += [{"class": "SQ", "name": "SQ1", "text": f"|{rating.low}|{rating.high}"}]
-    return rows
-
-
-def answer_code(label: str, number: int) -> str:
-    """Return the code of an answer, of at most five characters."""
-    return "AN" if label == NONE else f"A{number}"

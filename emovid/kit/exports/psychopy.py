@@ -1,8 +1,42 @@
 """Condition files for PsychoPy: one per participant, in the order of presentation."""
 
 from emovid.csv_writer import csv_text
+from emovid.kit.exports.design import (
+    CODE,
+    CONSENT,
+    DECLINED,
+    INSTRUCTIONS,
+    LANGUAGE,
+    LINK,
+    QUESTIONS,
+    RATINGS,
+    REVISION,
+    WATCHING,
+    Limits,
+    by_hand,
+    design_of,
+    listed,
+    missing,
+)
 from emovid.kit.exports.texts import Files, template
 from emovid.kit.folder import Kit
+
+
+def limits(kit: Kit) -> Limits:
+    """Return the parts of the design that condition files cannot contain."""
+    page = by_hand("Add a routine with the text below.")
+    return {
+        CONSENT: page,
+        DECLINED: by_hand("After consent, end the experiment (thisExp.status = FINISHED), and show the text below."),
+        INSTRUCTIONS: page,
+        QUESTIONS: by_hand("Ask them in the dialog at the start (Experiment info), or in a routine with a Form."),
+        RATINGS: by_hand("Add a Slider for each, with the ticks and labels below, named after the rating."),
+        CODE: by_hand("Show it in a routine at the end."),
+        LINK: by_hand("Enter it as completed URL (Experiment settings, Online)."),
+        WATCHING: by_hand("Use movie.isFinished as the start condition of the answers."),
+        REVISION: missing("A PsychoPy loop does not return to an earlier trial."),
+        LANGUAGE: by_hand(f"All texts that you add are to be in {kit.manifest.language}."),
+    }
 
 
 def psychopy(kit: Kit) -> Files:
@@ -13,6 +47,35 @@ def psychopy(kit: Kit) -> Files:
         drawn = ["|".join(kit.choices[name])] if name in kit.choices else []
         rows = [[place, code, f"videos/{code}.mp4", *drawn] for place, code in enumerate(order, start=1)]
         files[f"conditions/{name}.csv"] = csv_text(header, rows)
-    answers = "\n".join(f"- {answer.label}: {answer.text}" for answer in kit.manifest.choices.labels)
-    readme = template("psychopy.md", title=kit.manifest.title, question=kit.manifest.question, answers=answers)
+    manifest = kit.manifest
+    readme = template(
+        "psychopy.md",
+        title=manifest.title,
+        left=listed(design_of(kit, limits(kit))),
+        question=manifest.question,
+        answers="\n".join(f"- {choice.label}: {choice.text}" for choice in manifest.choices.labels),
+        texts="\n\n".join(f"### {name}\n\n{text}" for name, text in _texts(kit).items()),
+    )
     return files | {"README.md": readme}
+
+
+def _texts(kit: Kit) -> dict[str, str]:
+    """Return the texts of the routines to add, by heading."""
+    manifest, consent, last = kit.manifest, kit.manifest.consent, kit.manifest.thanks
+    ratings = {
+        rating.name: f"{rating.question}\n\nTicks 1 to {rating.steps}; labels: {rating.low}, {rating.high}"
+        for rating in manifest.ratings
+    }
+    questions = {
+        item.name: "\n".join([item.question, "", *(f"- {choice}" for choice in item.choices or ("(a line of text)",))])
+        for item in manifest.demographics
+    }
+    thanks = [last.text.strip(), f"{manifest.texts.code} {last.code}" if last.code else "", last.link or ""]
+    return {
+        f"Consent, version {consent.version}": f"{consent.text.strip()}\n\n- {consent.agree}\n- {consent.decline}",
+        "After declining": consent.declined,
+        **questions,
+        "Instructions": manifest.instructions.strip(),
+        **ratings,
+        "Last page": "\n\n".join(filter(None, thanks)),
+    }

@@ -1,51 +1,127 @@
 """A survey for Qualtrics in its "Advanced Format TXT"."""
 
-import html
+from collections.abc import Iterable
 
-from emovid.kit.exports.texts import Files, paragraphs, template, thanks, video_tag
+from emovid.kit.exports.design import (
+    CHOICES,
+    CODE,
+    DECLINED,
+    LANGUAGE,
+    LINK,
+    ORDERS,
+    QUESTIONS,
+    REVISION,
+    SETS,
+    WATCHING,
+    Limits,
+    by_hand,
+    design_of,
+    listed,
+)
+from emovid.kit.exports.texts import Files, escaped, paragraphs, template, thanks, video_element
 from emovid.kit.folder import Kit
-from emovid.kit.study import Question
+from emovid.kit.orders import Order, sets_of
+from emovid.kit.study import Question, Rating
+
+_LONGEST_ROW = 11  # choices side by side; longer scales become a menu
+
+
+def limits(kit: Kit) -> Limits:
+    """Return the parts of the design that the file for Qualtrics cannot contain."""
+    manifest = kit.manifest
+    sets = sets_of(kit.orders.values())
+    randomizer = f"Survey flow: put the blocks named by codes into a Randomizer that shows all {manifest.videos_shown}"
+    found = {
+        ORDERS: by_hand(f"{randomizer}. Qualtrics draws its own orders, balanced only on average."),
+        QUESTIONS: by_hand(f"Select {_required(kit)}, and choose Response requirements, Force response."),
+        DECLINED: by_hand(
+            f"Survey flow: after the block Consent, add a branch for the answer {manifest.consent.decline!r} that ends "
+            f"the survey with a custom message: {manifest.consent.declined!r}"
+        ),
+        WATCHING: by_hand(
+            f"Add a Timing question to each block, and show the Next button after {manifest.videos[0].duration:g} s."
+        ),
+        REVISION: by_hand("Look and feel: switch on the Back button. It is off in a new survey."),
+        LANGUAGE: by_hand(f"Survey options, General: set the language to {manifest.language}."),
+    }
+    if len(sets) > 1:
+        groups = ", ".join(f"{code} in group {_numbers(code, sets)}" for code in manifest.codes)
+        found[ORDERS] = by_hand("In each group of the next item, put the blocks into a Randomizer that shows all.")
+        found[SETS] = by_hand(
+            f"Survey flow: add a Randomizer that shows 1, evenly, of {len(sets)} groups, and put the blocks into these "
+            f"groups: {groups}."
+        )
+    if manifest.choices.order == "random":
+        found[CHOICES] = by_hand("Select the questions named by codes, and choose Randomization, all choices.")
+    if manifest.thanks.code or manifest.thanks.link:
+        note = by_hand("It is in the block End: without the branch for declining, everybody sees it.")
+        found |= {CODE: note, LINK: note}
+    return found
 
 
 def qualtrics(kit: Kit, video_url: str) -> Files:
-    """Return the survey, with the videos at an address, and a README."""
+    """Return the survey, with the videos at an address, a map, and a README."""
     manifest = kit.manifest
+    agreement = [manifest.consent.agree, manifest.consent.decline]
     blocks = [
-        _block("Consent", _question("consent", paragraphs(manifest.consent.text), _agreement(kit))),
-        *([_block("About you", *map(_item, manifest.demographics))] if manifest.demographics else []),
-        _block("Instructions", f"[[Question:DB]]\n[[ID:instructions]]\n{paragraphs(manifest.instructions)}\n"),
+        _block("Consent", _choice("consent", paragraphs(manifest.consent.text, _escaped), agreement)),
+        *([_block("About you", *map(_question, manifest.demographics))] if manifest.demographics else []),
+        _block("Instructions", _text("instructions", paragraphs(manifest.instructions, _escaped))),
         *(_block(code, *_video(kit, code, video_url)) for code in manifest.codes),
-        _block("End", f"[[Question:DB]]\n[[ID:end]]\n{thanks(manifest)}\n"),
+        _block("End", _text("end", thanks(manifest, _escaped))),
     ]
-    seconds = f"{manifest.videos[0].duration:g}"
-    readme = template("qualtrics.md", title=manifest.title, shown=manifest.videos_shown, seconds=seconds)
-    return {"survey.txt": "[[AdvancedFormat]]\n\n" + "\n".join(blocks), "README.md": readme}
+    numbers = {str(number): choice.label for number, choice in enumerate(manifest.choices.labels, start=1)}
+    return {
+        "survey.txt": "[[AdvancedFormat]]\n\n" + "\n".join(blocks),
+        "map.yaml": manifest.map_yaml(numbers),
+        "README.md": template("qualtrics.md", title=manifest.title, left=listed(design_of(kit, limits(kit)))),
+    }
+
+
+def _numbers(code: str, sets: Iterable[Order]) -> str:
+    return " and ".join(str(number) for number, codes in enumerate(sets, start=1) if code in codes)
+
+
+def _required(kit: Kit) -> str:
+    optional = [question.name for question in kit.manifest.demographics if not question.required]
+    return f"all questions except {', '.join(optional)}" if optional else "all questions"
 
 
 def _block(name: str, *questions: str) -> str:
     return f"[[Block:{name}]]\n\n" + "\n".join(questions)
 
 
-def _question(name: str, text: str, choices: list[str], layout: str = "Vertical") -> str:
-    listed = "\n".join(map(html.escape, choices))
-    return f"[[Question:MC:SingleAnswer:{layout}]]\n[[ID:{name}]]\n{text}\n[[Choices]]\n{listed}\n"
+def _text(name: str, text: str) -> str:
+    return f"[[Question:DB]]\n[[ID:{name}]]\n{text}\n"
 
 
-def _agreement(kit: Kit) -> list[str]:
-    return [kit.manifest.consent.agree, kit.manifest.consent.decline]
+def _choice(name: str, text: str, choices: list[str], layout: str = "SingleAnswer:Vertical") -> str:
+    choices_in_lines = "\n".join(map(_escaped, choices))
+    return f"[[Question:MC:{layout}]]\n[[ID:{name}]]\n{text}\n[[Choices]]\n{choices_in_lines}\n"
 
 
-def _item(item: Question) -> str:
-    if item.choices is None:
-        return f"[[Question:TE:SingleLine]]\n[[ID:{item.name}]]\n{html.escape(item.question)}\n"
-    return _question(item.name, html.escape(item.question), list(item.choices))
+def _question(question: Question) -> str:
+    if question.choices is None:
+        return f"[[Question:TE:SingleLine]]\n[[ID:{question.name}]]\n{_escaped(question.question)}\n"
+    return _choice(question.name, _escaped(question.question), list(question.choices))
 
 
 def _video(kit: Kit, code: str, video_url: str) -> list[str]:
     manifest = kit.manifest
-    text = f"{video_tag(code, video_url)}<br>{html.escape(manifest.question)}"
-    questions = [_question(code, text, [answer.text for answer in manifest.choices.labels])]
-    for rating in manifest.ratings:
-        label = f"{html.escape(rating.question)} (1: {html.escape(rating.low)}, 7: {html.escape(rating.high)})"
-        questions.append(_question(f"{code}_{rating.name}", label, list("1234567"), "Horizontal"))
+    text = f"{video_element(code, video_url, _escaped)}<br>{_escaped(manifest.question)}"
+    questions = [_choice(code, text, [choice.text for choice in manifest.choices.labels])]
+    questions += [_rating(f"{code}_{rating.name}", rating) for rating in manifest.ratings]
     return [*questions, "[[PageBreak]]\n"]
+
+
+def _rating(name: str, rating: Rating) -> str:
+    """Return a rating as a choice of numbers: the file cannot contain sliders."""
+    ends = f"(1: {_escaped(rating.low)}, {rating.steps}: {_escaped(rating.high)})"
+    layout = "SingleAnswer:Horizontal" if rating.steps <= _LONGEST_ROW else "Dropdown"
+    numbers = [str(number) for number in range(1, rating.steps + 1)]
+    return _choice(name, f"{_escaped(rating.question)} {ends}", numbers, layout)
+
+
+def _escaped(text: str) -> str:
+    """Return text as HTML that Qualtrics shows as written: ${...} is piped text, [[...]] a tag of the format."""
+    return escaped(text, "$[")

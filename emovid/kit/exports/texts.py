@@ -2,7 +2,7 @@
 
 import html
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from string import Template
 
@@ -19,21 +19,29 @@ def template(name: str, **fields: object) -> str:
     return Template(text).substitute(fields) if fields else text
 
 
-def paragraphs(text: str) -> str:
+def paragraphs(text: str, escape: Callable[[str], str]) -> str:
     """Return text as HTML in one line; blank lines separate paragraphs."""
-    parts = re.split(r"\n\s*\n", text.strip())
-    return "".join(f"<p>{html.escape(' '.join(part.split()), quote=False)}</p>" for part in parts)
+    parts = (" ".join(part.split()) for part in re.split(r"\n\s*\n", text))
+    return "".join(f"<p>{escape(part)}</p>" for part in parts if part)
 
 
-def thanks(manifest: Manifest) -> str:
+def thanks(manifest: Manifest, escape: Callable[[str], str]) -> str:
     """Return the last page as HTML in one line, with the completion code and the return link of the study."""
     last, texts = manifest.thanks, manifest.texts
-    code = paragraphs(f"{texts.code} {last.code}") if last.code else ""
-    link = f'<p><a href="{html.escape(last.link)}">{html.escape(texts.back)}</a></p>' if last.link else ""
-    return paragraphs(last.text) + code + link
+    code = f"<p>{escape(texts.code)} {escape(last.code)}</p>" if last.code else ""
+    link = f'<p><a href="{escape(last.link)}">{escape(texts.back)}</a></p>' if last.link else ""
+    return paragraphs(last.text, escape) + code + link
 
 
-def video_tag(code: str, video_url: str) -> str:
-    """Return the HTML element of a stimulus."""
-    source = html.escape(f"{video_url.rstrip('/')}/{code}.mp4")
-    return f'<video src="{source}" controls playsinline preload="auto" style="width:100%;max-width:960px"></video>'
+def video_element(code: str, video_url: str, escape: Callable[[str], str]) -> str:
+    """Return the HTML element of a stimulus, without double quotes."""
+    source = escape(f"{video_url.rstrip('/')}/{code}.mp4")
+    return f"<video src='{source}' controls playsinline preload='auto' style='width:100%;max-width:960px'></video>"
+
+
+def escaped(text: str, special: str) -> str:
+    """Return text in one line as HTML that a tool shows as written, with its `special` characters as entities."""
+    text = html.escape(" ".join(text.split()))
+    for character in special:
+        text = text.replace(character, f"&#{ord(character)};")
+    return text

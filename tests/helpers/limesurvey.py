@@ -1,0 +1,88 @@
+"""What LimeSurvey makes of a structure file: rows as PHP reads them, and what participants see."""
+
+import csv
+import io
+import re
+from html.parser import HTMLParser
+
+
+def rows_of(text: str) -> list[dict[str, str]]:
+    r"""Return the rows of a structure file as LimeSurvey imports them.
+
+    In quotes, PHP's fgetcsv takes \" for two characters rather than the end; and the importer removes quotes around a cell
+    once more, for files from Excel. Both are done here by hand, to compare with Python's reading.
+    """
+    lines = [_cells(line) for line in re.sub(r"\r\n?", "\n", text).split("\n") if line]
+    header = [re.sub(r"^\W+", "", lines[0][0]), *lines[0][1:]]
+    rows = [{name: _unquoted(cell) for name, cell in zip(header, cells, strict=True)} for cells in lines[1:]]
+    plain = csv.DictReader(io.StringIO(text.removeprefix("\ufeff")), delimiter="\t")
+    assert rows == list(plain), "PHP and Python read other cells"
+    return rows
+
+
+def _cells(line: str) -> list[str]:
+    """Split a line as fgetcsv($handle, 0, "\\t", '"') does, with its escape character."""
+    cells, cell, quoted, place = [], "", False, 0
+    while place < len(line):
+        mark = line[place]
+        if quoted and mark == "\\" and line[place + 1 : place + 2] == '"':
+            cell, place = cell + '\\"', place + 1
+        elif quoted and mark == '"' and line[place + 1 : place + 2] == '"':
+            cell, place = cell + '"', place + 1
+        elif mark == '"' and (quoted or not cell):
+            quoted = not quoted
+        elif mark == "\t" and not quoted:
+            cells.append(cell)
+            cell = ""
+        else:
+            cell += mark
+        place += 1
+    return [*cells, cell]
+
+
+def _unquoted(cell: str) -> str:
+    return cell[1:-1].replace('""', '"') if re.fullmatch(r'".*"', cell, re.DOTALL) else cell
+
+
+class _Seen(HTMLParser):
+    def __init__(self) -> None:
+        super().__init__()
+        self.paragraphs: list[str] = [""]
+        self.hidden, self.links = "", []
+        self._in_hidden = False
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self._in_hidden = tag == "span" and ("style", "display:none") in attrs
+        if tag in ("p", "br"):
+            self.paragraphs.append("")
+        self.links += [value for name, value in attrs if name in ("href", "src")]
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag == "span":
+            self._in_hidden = False
+
+    def handle_data(self, data: str) -> None:
+        if self._in_hidden:
+            self.hidden += data
+        else:
+            self.paragraphs[-1] += data
+
+
+def seen(text: str) -> list[str]:
+    """Return the paragraphs that a browser shows."""
+    page = _Seen()
+    page.feed(text)
+    page.close()
+    return [part for part in page.paragraphs if part]
+
+
+def links(text: str) -> list[str]:
+    """Return the addresses of links and videos."""
+    page = _Seen()
+    page.feed(text)
+    return page.links
+
+
+def heading(text: str) -> str:
+    """Return the header of a question in an export with full question texts: the text without tags."""
+    return re.sub(r"<[^>]*>", "", text)
