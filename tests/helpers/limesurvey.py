@@ -9,8 +9,8 @@ from html.parser import HTMLParser
 def rows_of(text: str) -> list[dict[str, str]]:
     r"""Return the rows of a structure file as LimeSurvey imports them.
 
-    In quotes, PHP's fgetcsv takes \" for two characters rather than the end; and the importer removes quotes around a cell
-    once more, for files from Excel. Both are done here by hand, to compare with Python's reading.
+    In quotes, PHP's fgetcsv takes \" for two characters rather than the end, and the importer removes quotes around a
+    cell once more, for files from Excel. Both are done here by hand, to compare with Python's reading.
     """
     lines = [_cells(line) for line in re.sub(r"\r\n?", "\n", text).split("\n") if line]
     header = [re.sub(r"^\W+", "", lines[0][0]), *lines[0][1:]]
