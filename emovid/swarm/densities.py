@@ -3,7 +3,7 @@
 All are smooth inside the stage, so that their integrals over Voronoi cells converge fast.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -14,7 +14,46 @@ from emovid.scene.picture import picture_of
 from emovid.scene.stage import Stage
 from emovid.swarm.arrays import Array
 
+_MAX_TERMS = 64  # of a sum of Gaussians, for which line integrals pay
+_NEGLIGIBLE = 1e-22  # of a product of ridges: 1e-11 of the ridges where both are as large
+_PARALLEL = 1e-12  # determinant
 _BEYOND = 5  # cells by which a picture extends past its edges: as many standard deviations
+
+
+class Ridge(NamedTuple):
+    """weight exp(-(n . q - crest)^2 / 2 width^2), with the unit normal n."""
+
+    weight: float
+    n_x: float
+    n_y: float
+    crest: float
+    width: float
+
+
+class Peak(NamedTuple):
+    """weight exp(-|M (q - center)|^2 / 2), M the matrix of xx, xy; yx, yy."""
+
+    weight: float
+    x: float
+    y: float
+    xx: float
+    xy: float
+    yx: float
+    yy: float
+
+
+class Gaussians(NamedTuple):
+    """A density as a constant and Gaussian terms, whose weights may be negative.
+
+    Attributes:
+        uniform: the constant.
+        ridges: fields of `Ridge` (F, 5).
+        peaks: fields of `Peak` (F, 7).
+    """
+
+    uniform: float
+    ridges: Array
+    peaks: Array
 
 
 class Density(NamedTuple):
@@ -23,19 +62,20 @@ class Density(NamedTuple):
     Attributes:
         phi: from x and y [m], arrays of one shape, to values >= 0 of that shape; only ratios of values matter.
         scale: standard deviation [m], the length over which it changes; infinite for a constant.
-        one_peak: whether it is a single Gaussian, without valleys.
+        gaussians: the same as a sum of Gaussians, for line integrals; None if there is none of a few terms.
     """
 
     phi: Callable[[Array, Array], Array]
     scale: float
-    one_peak: bool = False
+    gaussians: Gaussians | None = None
 
 
+@lru_cache(maxsize=8)  # a law needs its density in every period
 def density_of(density: AnyDensity, stage: Stage) -> Density:
     """Return the density of a scene."""
     match density:
         case Uniform():
-            return Density(lambda x, _: np.ones_like(x), np.inf)
+            return Density(lambda x, _: np.ones_like(x), np.inf, _terms(uniform=1.0))
         case Gaussian():
             return _gaussian(density)
         case Boundary():
@@ -46,26 +86,73 @@ def density_of(density: AnyDensity, stage: Stage) -> Density:
             return _sum(density, stage)
 
 
+def _terms(uniform: float = 0.0, ridges: Sequence[Ridge] = (), peaks: Sequence[Peak] = ()) -> Gaussians:
+    return Gaussians(uniform, np.array(ridges).reshape(-1, 5), np.array(peaks).reshape(-1, 7))
+
+
 def _gaussian(density: Gaussian) -> Density:
     """exp(-|q - centre|^2 / 2 sigma^2), the density of anger."""
     factor, x_0, y_0 = -0.5 / density.sigma**2, density.centre.x, density.centre.y
-    return Density(lambda x, y: np.exp(factor * ((x - x_0) ** 2 + (y - y_0) ** 2)), density.sigma, one_peak=True)
+    peak = Peak(1.0, x_0, y_0, 1 / density.sigma, 0.0, 0.0, 1 / density.sigma)
+    return Density(lambda x, y: np.exp(factor * ((x - x_0) ** 2 + (y - y_0) ** 2)), density.sigma, _terms(peaks=[peak]))
 
 
 def _boundary(density: Boundary, stage: Stage) -> Density:
-    """The sum over the edges of exp(-(d - inset)^2 / 2 width^2), d the distance from the edge's line: disgust's.
+    """1 - prod (1 - g) over the edges, g = exp(-(d - inset)^2 / 2 width^2), d the distance from the edge: disgust's.
 
-    A sum, not the distance from the nearest edge, which has creases where two edges are equally near. The paper draws
-    the density, on a rectangle, without a formula (Fig. 16b).
+    It is 1 along all crests, corners included. A sum of the ridges would be twice as dense in corners; the distance
+    from the nearest edge has creases where two edges are equally near. The paper draws the density, on a rectangle,
+    without a formula (Fig. 16b).
     """
     factor = -0.5 / density.width**2
     crests = [(edge.x, edge.y, edge.offset - density.inset) for edge in stage.edges]
 
     def phi(x: Array, y: Array) -> Array:
-        ridges = (np.exp(factor * (n_x * x + n_y * y - crest) ** 2) for n_x, n_y, crest in crests)
-        return sum(ridges, np.zeros_like(x))
+        total = np.zeros_like(x)
+        for n_x, n_y, crest in crests:
+            total = total + (1 - total) * np.exp(factor * (n_x * x + n_y * y - crest) ** 2)
+        return total
 
-    return Density(phi, density.width)
+    return Density(phi, density.width, _products(crests, density.width))
+
+
+def _products(crests: Sequence[tuple[float, float, float]], width: float) -> Gaussians | None:
+    """Return 1 - prod (1 - g) of ridges g as a sum over subsets of them; None for more than `_MAX_TERMS`.
+
+    The product of ridges is a Gaussian again: a ridge for parallel edges, else a peak. Products that are negligible
+    beside their factors are left out.
+    """
+    ridges: list[Ridge] = []
+    peaks: list[Peak] = []
+    subsets: list[tuple[int, ...]] = [(i,) for i in range(len(crests))]
+    for subset in subsets:
+        if len(subsets) > _MAX_TERMS:
+            return None
+        sign = (-1.0) ** (len(subset) + 1)
+        term = _product([crests[i] for i in subset], width, sign)
+        if abs(term.weight) < _NEGLIGIBLE:
+            continue
+        (ridges if isinstance(term, Ridge) else peaks).append(term)
+        subsets += [(*subset, i) for i in range(subset[-1] + 1, len(crests))]
+    return _terms(0.0, ridges, peaks)
+
+
+def _product(crests: Sequence[tuple[float, float, float]], width: float, sign: float) -> Ridge | Peak:
+    """Return the product of ridges: with A = sum n n^T, its exponent is -(q - c)^T A (q - c) / 2 width^2 - const."""
+    (n_x, n_y, _), count = crests[0], len(crests)
+    a, b = sum(x * x for x, _, _ in crests), sum(x * y for x, y, _ in crests)
+    c = sum(y * y for _, y, _ in crests)
+    if a * c - b * b < _PARALLEL:
+        # All along one axis: normals with, or against, the first.
+        along = [(crest if n_x * x + n_y * y > 0 else -crest) for x, y, crest in crests]
+        middle = sum(along) / count
+        spread = sum((crest - middle) ** 2 for crest in along)
+        return Ridge(sign * float(np.exp(-0.5 * spread / width**2)), n_x, n_y, middle, width / count**0.5)
+    p, q = sum(x * crest for x, _, crest in crests), sum(y * crest for _, y, crest in crests)
+    x_0, y_0 = (c * p - b * q) / (a * c - b * b), (a * q - b * p) / (a * c - b * b)
+    spread = sum((x * x_0 + y * y_0 - crest) ** 2 for x, y, crest in crests)
+    weight, root = sign * float(np.exp(-0.5 * spread / width**2)), a**0.5
+    return Peak(weight, x_0, y_0, root / width, b / root / width, 0.0, ((c - b * b / a) ** 0.5) / width)
 
 
 def _sum(density: Sum, stage: Stage) -> Density:
@@ -74,7 +161,15 @@ def _sum(density: Sum, stage: Stage) -> Density:
     def phi(x: Array, y: Array) -> Array:
         return sum((weight * part.phi(x, y) for weight, part in parts), np.zeros_like(x))
 
-    return Density(phi, min(part.scale for _, part in parts))
+    found = [(weight, part.gaussians) for weight, part in parts]
+    scale, gaussians = min(part.scale for _, part in parts), None
+    if all(part is not None for _, part in found):
+        gaussians = Gaussians(
+            sum(weight * part.uniform for weight, part in found if part),
+            np.concatenate([part.ridges * ([weight] + 4 * [1]) for weight, part in found if part]),
+            np.concatenate([part.peaks * ([weight] + 6 * [1]) for weight, part in found if part]),
+        )
+    return Density(phi, scale, gaussians)
 
 
 @lru_cache(maxsize=8)  # a law needs its density in every period

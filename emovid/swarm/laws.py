@@ -11,6 +11,7 @@ from emovid.scene.behaviour import Circle, CircularSinusoid, Contour, Coverage, 
 from emovid.scene.stage import Stage
 from emovid.swarm.arrays import Array
 from emovid.swarm.densities import Density, density_of
+from emovid.swarm.line_integrals import line_integrals
 from emovid.swarm.quadrature import mass_and_moment, polar_moment
 from emovid.swarm.voronoi import voronoi_fans
 
@@ -126,7 +127,10 @@ def locational_cost(points: Array, corners: Array, density: Density) -> float:
 def _to_centroids(points: Array, corners: Array, density: Density) -> tuple[Array, Array]:
     """Return the mass of each robot's cell (N,) and the vector from the robot to its centroid (N, 2) [m]."""
     fans = voronoi_fans(points, corners)
-    mass, moment = mass_and_moment(fans, density)
+    if density.gaussians:
+        mass, moment = line_integrals(fans, density.gaussians)
+    else:
+        mass, moment = mass_and_moment(fans, density)
     has_mass = mass > np.finfo(float).tiny  # below, digits are lost
     to_centroid = moment / np.where(has_mass, mass, np.inf)
     return mass[fans.cell_of], to_centroid[fans.cell_of].view(float).reshape(-1, 2)

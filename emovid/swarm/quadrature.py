@@ -19,10 +19,9 @@ from emovid.swarm.voronoi import Fans
 # Nodes per direction, and the largest change of a density over which they give a triangle's centroid to a millionth of
 # the scale and its mass to a millionth: the worst of 75 000 random triangles under peaks, ridges and sums of ridges, up
 # to 35 standard deviations out. In a valley of such a sum its terms change by more than twice as much as it does, and
-# cells are large then. A single peak has none: the worst of 120 000 triangles needs as few nodes as the last row has.
+# cells are large there.
 _NODES = (2, 3, 5, 8, 12, 16, 20)
 _CHANGE = np.array([0.02, 0.1, 0.8, 2.9, 10.0, 30.0, 50.0])
-_CHANGE_OF_ONE_PEAK = np.array([0.028, 0.3, 2.8, 10.5, 30.0, 58.0, 90.0])
 _LEAST = np.finfo(float).tiny  # densities below have lost digits
 _BLOCK = 1 << 14  # nodes at a time: what a cache holds
 
@@ -82,7 +81,6 @@ def _by_order(triangles: _Triangles, robot: Complex, density: Density) -> tuple[
     """Return the triangles (K,), split where need be and sorted by order, and how many have each in `_NODES`."""
     if np.isinf(density.scale):
         return triangles, np.array([len(triangles.cell)])
-    limits = _CHANGE_OF_ONE_PEAK if density.one_peak else _CHANGE
     while True:
         cell, corner, a, b = triangles
         corner = corner + robot[cell]
@@ -90,9 +88,9 @@ def _by_order(triangles: _Triangles, robot: Complex, density: Density) -> tuple[
         levels = np.log(np.maximum(density.phi(places.real, places.imag), _LEAST))
         longest = np.maximum(np.maximum(np.abs(a), np.abs(b)), np.abs(b - a))
         change = levels.max(axis=0) - levels.min(axis=0) + (longest / density.scale) ** 2 / 2
-        big = change > limits[-1]
+        big = change > _CHANGE[-1]
         if not big.any():
-            order = np.searchsorted(limits, change)
+            order = np.searchsorted(_CHANGE, change)
             rank = np.argsort(order, kind="stable")
             return _Triangles(cell[rank], triangles.corner[rank], a[rank], b[rank]), np.bincount(order)
         triangles = _split(triangles, big)

@@ -86,6 +86,8 @@ class Fans(NamedTuple):
         robot: the position of each cell's robots (cells,) [m].
         cell: the cell of each triangle (K,).
         a, b: its other corners (K,) [m] as seen from the robot, counter-clockwise.
+        borders: number B of borders between two cells. Each is a side of two triangles: of the first B, and of the next
+            B in the same order.
     """
 
     cell_of: Indices
@@ -93,6 +95,7 @@ class Fans(NamedTuple):
     cell: Indices
     a: Complex
     b: Complex
+    borders: int
 
 
 class _Links(NamedTuple):
@@ -121,14 +124,15 @@ def voronoi_fans(points: Array, corners: Array) -> Fans:
         if links is None:  # robots that coincide, are on a line, or are too near to each other
             robots, cell_of = np.unique(robots, return_inverse=True)
             links = _links(robots) or _links_on_a_line(robots)
-        cell, a, b = _fans(robots, links, outline)
+        cell, a, b, borders = _fans(robots, links, outline)
     stage = ((outline[1:-1] - outline[0]).conj() * (outline[2:] - outline[0])).imag.sum()
     if not abs((a.conj() * b).imag.sum() - stage) <= _TOLERANCE * stage:
         # Robots less than some 1e-7 of the swarm's extent apart: the rounding errors of Qhull are as large.
         cells = clipped_cells(robots, outline)
         cell = np.repeat(np.arange(len(cells)), [len(ring) for ring in cells])
         a, b = np.concatenate(cells), np.concatenate([np.roll(ring, -1) for ring in cells])
-    return Fans(cell_of, robots, cell, a, b)
+        borders = 0
+    return Fans(cell_of, robots, cell, a, b, borders)
 
 
 def voronoi_cells(points: Array, corners: Array) -> Array:
@@ -140,7 +144,7 @@ def voronoi_cells(points: Array, corners: Array) -> Array:
         points: on the stage [m].
         corners: of the stage (C, 2) [m], counter-clockwise.
     """
-    cell_of, robot, cell, a, _ = voronoi_fans(points, corners)
+    cell_of, robot, cell, a, *_ = voronoi_fans(points, corners)
     size = np.bincount(cell, minlength=len(robot))
     total = np.bincount(cell, a.real, len(robot)) + 1j * np.bincount(cell, a.imag, len(robot))
     inside = total / np.maximum(size, 1)  # a robot on the stage's edge is not
@@ -215,8 +219,8 @@ def _links_on_a_line(robots: Complex) -> _Links:
     return _Links(order[:-1], order[1:], -endless, endless)
 
 
-def _fans(robots: Complex, links: _Links, outline: Complex) -> tuple[Indices, Complex, Complex]:
-    """Return the cell and the corners a and b of each triangle, as in `Fans`."""
+def _fans(robots: Complex, links: _Links, outline: Complex) -> tuple[Indices, Complex, Complex, int]:
+    """Return the cell and the corners a and b of each triangle, and the number of borders, as in `Fans`."""
     i, j, right, left = links
     d, middle = robots[j] - robots[i], (robots[i] + robots[j]) / 2
     side = np.concatenate([outline[1:], outline[:1]]) - outline
@@ -247,7 +251,7 @@ def _fans(robots: Complex, links: _Links, outline: Complex) -> tuple[Indices, Co
     start, stop = (outline[edge] + t * side[edge] - robots[on_rim] for t in (begin, end))
     a = np.concatenate([half + right_end, left_end - half, start])
     b = np.concatenate([half + left_end, right_end - half, stop])
-    return np.concatenate([i[kept], j[kept], on_rim]), a, b
+    return np.concatenate([i[kept], j[kept], on_rim]), a, b, len(kept)
 
 
 def _along_edges(rim: Mask, i: Indices, j: Indices, t: Array, falling: Mask) -> tuple[Indices, Array, Array]:

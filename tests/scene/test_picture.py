@@ -98,7 +98,7 @@ SPOILT = {
     ),
     "a broken PNG": lambda path: with_header(path, b"\0\0\0\x09"),
     "cannot be read: no such file or directory": Path.unlink,
-    "no PNG: expected a grey-scale picture": lambda path: path.write_bytes(b"GIF89a"),
+    "not a PNG: expected a gray-scale picture": lambda path: path.write_bytes(b"GIF89a"),
     "cannot be read: image file is truncated": cut_off,
     "white all over; expected something darker": lambda path: save(path.parents[1], np.full((9, 9), 255)),
     "expected a PNG of 8 bits a channel": lambda path: save(path.parents[1], np.full((9, 9), 700), "I;16"),
@@ -125,9 +125,9 @@ def test_a_picture_that_cannot_be_meant_is_one_line(scene_file, tmp_path, messag
     [
         ("smoothing: 0.05", "smoothing: 0.01", "smoothing: 0.01: expected at least 0.02, a twentieth of the radius of"),
         ("    file: maps/map.png\n", "", "file: missing (the picture, a PNG"),
-        ("smoothing: 0.05", "smoothing: 0.05\n    pixels: 2x2 AAAA", "pixels: not what was read from a picture"),
-        ("smoothing: 0.05", "smoothing: 0.05\n    pixels: 2x2 A", "pixels: not what was read from a picture"),
-        ("smoothing: 0.05", "smoothing: 0.05\n    pixels: abc", "pixels: not what was read from a picture"),
+        ("smoothing: 0.05", "smoothing: 0.05\n    pixels: 2x2 AAAA", "pixels: not the contents of a picture"),
+        ("smoothing: 0.05", "smoothing: 0.05\n    pixels: 2x2 A", "pixels: not the contents of a picture"),
+        ("smoothing: 0.05", "smoothing: 0.05\n    pixels: abc", "pixels: not the contents of a picture"),
     ],
 )
 def test_keys_that_cannot_be_meant_are_one_line(scene_file, old, new, message) -> None:

@@ -71,7 +71,7 @@ def test_every_kind_of_fault_has_a_broken_scene():
         (
             "stage.corners",
             [{"x": 0, "y": 0}, {"x": 1}, {"x": 0, "y": 1}],
-            "stage.corners.1.y: missing (metres above the origin, which is a rectangular stage's centre)",
+            "stage.corners.1.y: missing (meters above the origin, which is the center of a rectangular stage)",
         ),
         (
             "robot.model.shape.corners",
@@ -98,7 +98,7 @@ def test_a_broken_item_is_named_and_not_called_too_few(key, corners, expected):
         (
             "robotarium/anger",
             {"robot.model": "single_integrator", "robot.limits": None, "robot.l": None, "snapshots": None},
-            "safety.kind: barrier: it has to know the motors; expected robot.limits of v_max",
+            "safety.kind: barrier: it needs the limits of the motors; expected robot.limits of v_max",
         ),
     ],
 )

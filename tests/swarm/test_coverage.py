@@ -79,9 +79,9 @@ def test_densities_by_hand() -> None:
     assert np.all(density_of(UNIFORM, STAGE).phi(x, y) == 1)
 
 
-def test_a_corner_belongs_to_two_ridges() -> None:
-    corner = density_of(BOUNDARY, STAGE).phi(np.array(0.54), np.array(0.34))
-    assert corner == pytest.approx(2, abs=1e-6)
+def test_a_corner_is_as_dense_as_an_edge() -> None:
+    corner, edge = density_of(BOUNDARY, STAGE).phi(np.array([0.54, 0.54]), np.array([0.34, 0.0]))
+    assert (corner, edge) == pytest.approx((1, 1), abs=1e-6)
 
 
 def test_ridges_of_a_hexagon_by_hand() -> None:
@@ -94,8 +94,8 @@ def test_ridges_of_a_hexagon_by_hand() -> None:
         return float(np.exp(-((distance - 0.1) ** 2) / (2 * 0.2**2)))
 
     found = phi(np.array([0.0, 0.0]), np.array([0.0, apothem]))
-    at_edge = sum(ridge(k * apothem) for k in (0, 0.5, 0.5, 1.5, 1.5, 2))
-    assert found == pytest.approx([6 * ridge(apothem), at_edge], rel=1e-12)
+    at_edge = np.prod([1 - ridge(k * apothem) for k in (0, 0.5, 0.5, 1.5, 1.5, 2)])
+    assert found == pytest.approx([1 - (1 - ridge(apothem)) ** 6, 1 - at_edge], rel=1e-12)
 
 
 def law(**keys: object) -> Coverage:

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.special import roots_jacobi
 
-from emovid.scene.behaviour import Boundary, Gaussian, Uniform
+from emovid.scene.behaviour import Boundary, Gaussian, Sum, Uniform
 from emovid.scene.stage import Rectangle
 from emovid.swarm import quadrature
 from emovid.swarm.densities import Density, density_of
@@ -51,25 +51,38 @@ def test_gaussian_centroids_are_exact_however_far_out(size: tuple[int, int], sig
             assert np.hypot(*(centroid[i] - (x_mean, y_mean))) < 1e-6 * sigma
 
 
+def across(begin: float, end: float, crest: float, width: float) -> tuple[float, float, float]:
+    """Return the same for the union g + h - g h of two ridges g and h at +-crest, from 40 x 200 nodes."""
+    cuts = np.linspace(begin, end, 201)
+    x = (cuts[:-1, None] + cuts[1:, None]) / 2 + np.diff(cuts)[:, None] / 2 * NODE
+    one, other = (-((x - sign * crest) ** 2) / (2 * width**2) for sign in (1, -1))
+    highest = max(one.max(), other.max())
+    value = np.exp(one - highest) + np.exp(other - highest) * -np.expm1(one)
+    value = value * WEIGHT * (end - begin) / 400
+    return float(highest), float(value.sum()), float((value * x).sum() / value.sum())
+
+
 @given(LATTICE, st.floats(0.012, 0.5), st.floats(0, 0.1))
 def test_boundary_centroids_are_exact_in_its_valleys_too(size: tuple[int, int], width: float, inset: float) -> None:
+    # On a rectangle 1 - prod (1 - g) is a + b - a b, with a of x alone and b of y alone.
     points, bounds = lattice(*size)
     density = density_of(Boundary(kind="boundary", width=width, inset=inset), STAGE)
     mass, centroid = mass_and_centroid(points, CORNERS, density)
     for i, (left, right, bottom, top) in enumerate(bounds):
-        x, y = (left + right) / 2, (bottom + top) / 2
-        ridges = [(0, crest, *along(left, right, crest, width)) for crest in (0.6 - inset, inset - 0.6)]
-        ridges += [(1, crest, *along(bottom, top, crest, width)) for crest in (0.4 - inset, inset - 0.4)]
-        highest = max(log for _, _, log, _, _ in ridges)
+        x_log, x_mass, x_mean = across(left, right, 0.6 - inset, width)
+        y_log, y_mass, y_mean = across(bottom, top, 0.4 - inset, width)
+        highest = max(x_log, y_log)
         if highest < -600:
             continue
-        total, moment = 0.0, np.zeros(2)
-        for axis, _, log, line_mass, mean in ridges:
-            part = np.exp(log - highest) * line_mass * ((top - bottom) if axis == 0 else (right - left))
-            total += part
-            moment += part * np.array([mean, y] if axis == 0 else [x, mean])
+        parts = [
+            (np.exp(x_log - highest) * x_mass * (top - bottom), (x_mean, (bottom + top) / 2)),
+            (np.exp(y_log - highest) * y_mass * (right - left), ((left + right) / 2, y_mean)),
+            (-np.exp(x_log + y_log - highest) * x_mass * y_mass, (x_mean, y_mean)),
+        ]
+        total = sum(part for part, _ in parts)
+        expected = sum(part * np.array(mean) for part, mean in parts) / total
         assert mass[i] == pytest.approx(np.exp(highest) * total, rel=1e-6)
-        assert np.hypot(*(centroid[i] - moment / total)) < 1e-6 * width
+        assert np.hypot(*(centroid[i] - expected)) < 1e-6 * width
 
 
 @pytest.mark.parametrize("corners", [TRIANGLE, HEXAGON])
@@ -104,7 +117,7 @@ def test_integrals_do_not_depend_on_how_many_nodes_are_taken_at_a_time(
     block: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     points = np.random.default_rng(0).uniform([-0.6, -0.4], [0.6, 0.4], (300, 2))
-    density = density_of(Gaussian(kind="gaussian", sigma=0.1), STAGE)
+    density = density_of(Gaussian(kind="gaussian", sigma=0.1), STAGE)._replace(gaussians=None)
     _, expected = mass_and_centroid(points, CORNERS, density)
     monkeypatch.setattr(quadrature, "_BLOCK", block)
     assert mass_and_centroid(points, CORNERS, density)[1] == pytest.approx(expected, abs=1e-14)
@@ -116,14 +129,44 @@ def test_the_rule_along_rays_is_that_of_scipy(nodes: int) -> None:
         assert found == pytest.approx(expected, rel=1e-12)
 
 
-@given(st.integers(0, 2**32 - 1), st.integers(1, 15), st.floats(0.02, 0.5))
-def test_one_peak_is_integrated_as_exactly_with_fewer_nodes(seed: int, robots: int, sigma: float) -> None:
-    points = np.random.default_rng(seed).uniform([-0.6, -0.4], [0.6, 0.4], (robots, 2))
-    density = density_of(Gaussian(kind="gaussian", sigma=sigma), STAGE)
-    _, found = mass_and_centroid(points, CORNERS, density)
-    finely = density._replace(one_peak=False, scale=sigma / 4)  # as if it changed faster than it does
-    _, expected = mass_and_centroid(points, CORNERS, finely)
-    assert np.abs(found - expected).max() < 1e-6 * sigma
+KINDS = [
+    (Gaussian(kind="gaussian", sigma=0.1, centre={"x": 0.1, "y": -0.05}), STAGE),
+    (Boundary(kind="boundary", width=0.06, inset=0.06), STAGE),
+    (Boundary(kind="boundary", width=0.15, inset=0.0), polygon(TRIANGLE)),
+    (Boundary(kind="boundary", width=0.08, inset=0.05), polygon(HEXAGON)),
+    (Sum(kind="sum", parts=[
+        {"weight": 0.2, "density": {"kind": "uniform"}},
+        {"weight": 3.0, "density": {"kind": "gaussian", "sigma": 0.05}},
+        {"density": {"kind": "boundary", "width": 0.1}},
+    ]), STAGE),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("kind", "stage"), KINDS)
+@given(seed=st.integers(0, 2**32 - 1), robots=st.integers(1, 40), crowd=st.floats(0.02, 1))
+def test_line_integrals_are_those_of_the_quadrature_over_triangles(kind, stage, seed, robots, crowd) -> None:
+    corners, density = corners_of(stage), density_of(kind, stage)
+    rng = np.random.default_rng(seed)
+    weights = rng.dirichlet(np.ones(len(corners)), robots)
+    points = crowd * (weights @ corners) + (1 - crowd) * corners.mean(axis=0)
+    mass, centroid = mass_and_centroid(points, corners, density)
+    assert density.gaussians is not None
+    expected_mass, expected = mass_and_centroid(points, corners, density._replace(gaussians=None))
+    assert mass == pytest.approx(expected_mass, rel=3e-6)
+    assert np.abs(centroid - expected).max() < 2e-6 * density.scale
+
+
+@pytest.mark.parametrize("place", [(0.0, 0.0), (0.2, 0.1), (0.6, 0.4), (0.6, 0.0), (0.1, 0.4)])
+def test_a_peak_on_a_border_a_robot_an_edge_or_a_corner_is_shared_out(place: tuple[float, float]) -> None:
+    x, y = place
+    density = density_of(Gaussian(kind="gaussian", sigma=0.05, centre={"x": x, "y": y}), STAGE)
+    points = np.array([[-0.2, -0.1], [0.2, 0.1]])  # their border goes through the origin
+    mass, centroid = mass_and_centroid(points, CORNERS, density)
+    expected_mass, expected = mass_and_centroid(points, CORNERS, density._replace(gaussians=None))
+    assert mass == pytest.approx(expected_mass, rel=1e-6)
+    assert centroid == pytest.approx(expected, abs=1e-7)
+    sides = sum(abs(of) == at for of, at in ((x, 0.6), (y, 0.4)))
+    assert mass.sum() == pytest.approx(2 * np.pi * 0.05**2 / 2**sides, rel=1e-6)
 
 
 @given(st.floats(-3, 3), st.floats(-3, 3), st.integers(0, 1000))
