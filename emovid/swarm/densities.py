@@ -132,7 +132,10 @@ def _products(crests: Sequence[tuple[float, float, float]], width: float) -> Gau
         term = _product([crests[i] for i in subset], width, sign)
         if abs(term.weight) < _NEGLIGIBLE:
             continue
-        (ridges if isinstance(term, Ridge) else peaks).append(term)
+        if isinstance(term, Ridge):
+            ridges.append(term)
+        else:
+            peaks.append(term)
         subsets += [(*subset, i) for i in range(subset[-1] + 1, len(crests))]
     return _terms(0.0, ridges, peaks)
 
