@@ -1,5 +1,6 @@
-"""Files that appear under their name whole or not at all, whatever interrupts the writing; and what is in them."""
+"""Files and folders that appear under their name completely or not at all, even if the process is killed."""
 
+import ctypes
 import errno
 import glob
 import hashlib
@@ -8,7 +9,7 @@ import re
 import shutil
 import socket
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
@@ -17,9 +18,12 @@ from typing import IO
 from emovid.errors import EmovidError, reason
 
 _SUFFIX = ".part"
+_FORMER = f".former{_SUFFIX}"
 _LEFT = re.compile(r"\..+\.[^.].*-\d+\.part(\.former\.part)?")  # .NAME.OWNER.part
+_TARGET = re.compile(r"\.(.+)\.[0-9a-f]{12}-\d+-\d+\.part\.former\.part")
 _OWNER = re.compile(r"\.([0-9a-f]{12})-(\d+)-(\d+)\.(?!.*-\d+\.)")  # the last part of a name that is an owner
 _DAY = 86_400  # seconds
+_HERE, _EXCHANGE = -100, 2  # AT_FDCWD and RENAME_EXCHANGE of renameat2(2)
 _REMEDIES = {
     errno.ENOSPC: "free some space",
     errno.EDQUOT: "free some of your quota",
@@ -33,19 +37,22 @@ _REMEDIES = {
 
 @contextmanager
 def whole_file(target: Path) -> Iterator[Path]:
-    """Give a path beside `target` to write to; on leaving without an error it takes the place of `target`.
+    """Yield a path beside `target` to write to; on leaving without an error, the file replaces `target` in one step.
 
-    What a killed process has left there for the same target is removed first.
+    If `target` is a link, the file that it points to is replaced. Parts that killed processes left for the same target
+    are removed first.
 
     Raises:
         EmovidError: if the file cannot be written, with the system's reason.
     """
-    part = _part_beside(target)
+    actual = _followed(target)
+    part = _part_beside(actual)
     try:
         yield part
-        with part.open("rb") as file:
-            os.fsync(file.fileno())
-        part.replace(target)
+        _sync(part)
+        _copy_mode(actual, part)
+        part.replace(actual)
+        _sync(actual.parent)
     except OSError as error:
         raise not_written(target, error) from None
     finally:
@@ -54,37 +61,40 @@ def whole_file(target: Path) -> Iterator[Path]:
 
 @contextmanager
 def whole_folder(target: Path) -> Iterator[Path]:
-    """Give a new folder beside `target` to fill; on leaving without an error it takes the place of `target`.
+    """Yield a new folder beside `target` to fill; on leaving without an error, it replaces `target` and all inside it.
 
-    A folder that is at `target` goes, with all that is in it. Raises as `whole_file`.
+    At every instant either the old or the new folder is complete on disk. On Linux the two change places in one step;
+    elsewhere the old one has another name for a moment, and `clear_leftovers` and the next run restore it after a kill.
+    Links and errors as in `whole_file`.
     """
-    part = _part_beside(target)
-    former = part.with_name(f"{part.name}.former{_SUFFIX}")
+    actual = _followed(target)
+    part = _part_beside(actual)
     try:
         part.mkdir()
         yield part
-        with suppress(FileNotFoundError):  # a full folder cannot be replaced in one step, as a file can
-            target.rename(former)
-        part.rename(target)
+        for inside in part.iterdir():
+            _sync(inside)
+        _sync(part)
+        _copy_mode(actual, part)
+        _replace_folder(actual, part)
+        _sync(actual.parent)
     except OSError as error:
         raise not_written(target, error) from None
     finally:
-        if former.exists() and not target.exists():
-            former.rename(target)
+        _restore(_former(part))
         _remove(part)
-        _remove(former)
 
 
 @contextmanager
 def writing(target: Path) -> Iterator[IO[bytes]]:
-    """Open a file that takes the place of `target` once it is written whole. Raises as `whole_file`."""
+    """Open a file that replaces `target` once it is written completely. Raises as `whole_file`."""
     with whole_file(target) as part, part.open("wb") as file:
         yield file
 
 
 def replace_if_changed(target: Path, data: bytes) -> None:
-    """Write a file whole, unless it says this already. Raises as `whole_file`."""
-    with suppress(OSError):  # missing, or what is wrong with it shows when it is written
+    """Write a file unless it has this content already. Raises as `whole_file`."""
+    with suppress(OSError):  # a missing file; any other problem is raised when the file is written
         if target.read_bytes() == data:
             return
     with writing(target) as file:
@@ -92,10 +102,10 @@ def replace_if_changed(target: Path, data: bytes) -> None:
 
 
 def make_folder(folder: Path) -> None:
-    """Make a folder and those above it, if missing.
+    """Create a folder and its parents, if missing.
 
     Raises:
-        EmovidError: if it cannot be made.
+        EmovidError: if it cannot be created.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -104,7 +114,7 @@ def make_folder(folder: Path) -> None:
 
 
 def file_digest(path: Path) -> str:
-    """Return the SHA-256 of a file; of a folder, that of the names and the SHA-256 of the files in it."""
+    """Return the SHA-256 of a file; of a folder, the SHA-256 of its files' names and digests."""
     try:
         if path.is_dir():
             listed = "".join(f"{file_digest(inside)}  {inside.name}\n" for inside in sorted(path.iterdir()))
@@ -116,10 +126,8 @@ def file_digest(path: Path) -> str:
 
 
 def clear_leftovers(folder: Path) -> None:
-    """Remove what killed processes have left unfinished in a folder, whatever it was to become."""
-    for left in folder.glob(f".*{_SUFFIX}"):
-        if _LEFT.fullmatch(left.name) and not is_written(left):
-            _remove(left)
+    """Remove the unfinished files of killed processes in a folder, and restore folders that they were replacing."""
+    _clear(folder.glob(f".*{_SUFFIX}"))
 
 
 def is_written(left: Path) -> bool:
@@ -157,29 +165,85 @@ def _process_space() -> str:
 
 
 def cause(number: int) -> str:
-    """Return what the system says of an error number in writing, and what to do about it where that can be said."""
+    """Return the system's description of an error number in writing, with a remedy if there is one."""
     return os.strerror(number).lower() + (f": {_REMEDIES[number]}" if number in _REMEDIES else "")
 
 
 def not_written(target: Path, error: OSError, how: str = "written") -> EmovidError:
-    """Return the error of a file that cannot be written: which, why, and what to do about it."""
+    """Return the error of a file that cannot be written: the file, the reason and the remedy."""
     return EmovidError(f"{target}: cannot be {how}: {cause(error.errno) if error.errno else reason(error)}")
 
 
 def _part_beside(target: Path) -> Path:
-    """Return the path to write at in place of `target`, after removing what killed processes have left there."""
+    """Return the path to write to in place of `target`, after clearing what killed processes left there."""
     stem = f".{target.name}."
-    for left in target.parent.glob(f"{glob.escape(stem)}*{_SUFFIX}"):
-        if _LEFT.fullmatch(left.name) and not is_written(left):
-            _remove(left)
+    _clear(target.parent.glob(f"{glob.escape(stem)}*{_SUFFIX}"))
     part = target.with_name(f"{stem}{owner()}{_SUFFIX}")
     _remove(part)
     return part
 
 
+def _followed(target: Path) -> Path:
+    """Return the file or folder that a link points to; a path that is no link unchanged."""
+    return target.resolve() if target.is_symlink() else target
+
+
+def _sync(path: Path) -> None:
+    """Wait until a file, or the list of files in a folder, is on disk."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _copy_mode(target: Path, part: Path) -> None:
+    """Give a file the permissions of the one that it replaces, which may be more private than the default."""
+    with suppress(OSError):  # there is none to replace, or a file system without permissions
+        shutil.copymode(target, part)
+
+
+def _replace_folder(target: Path, part: Path) -> None:
+    """Put a finished folder in the place of `target`, which goes to the name of the part, or else of its former."""
+    if _exchange(target, part):
+        return
+    with suppress(FileNotFoundError):  # there is no folder to replace
+        target.rename(_former(part))
+    part.rename(target)
+
+
+def _exchange(first: Path, second: Path) -> bool:
+    """Let two existing paths change places in one step; return False if they, or the system, do not allow it."""
+    try:
+        rename = ctypes.CDLL(None).renameat2
+    except (AttributeError, OSError):  # not Linux, or an old C library
+        return False
+    return bool(rename(_HERE, os.fsencode(first), _HERE, os.fsencode(second), _EXCHANGE) == 0)
+
+
+def _former(part: Path) -> Path:
+    """Return the name of a folder that `part` is replacing, for the moment between two renames."""
+    return part.with_name(f"{part.name}{_FORMER}")
+
+
+def _restore(former: Path) -> None:
+    """Give a replaced folder its name back if the folder that replaces it never got there; else remove it."""
+    if found := _TARGET.fullmatch(former.name):
+        target = former.with_name(found[1])
+        if former.exists() and not target.exists():
+            former.rename(target)
+        _remove(former)
+
+
+def _clear(parts: Iterable[Path]) -> None:
+    for left in parts:
+        if _LEFT.fullmatch(left.name) and not is_written(left):
+            _restore(left) if left.name.endswith(_FORMER) else _remove(left)
+
+
 def _remove(path: Path) -> None:
     with suppress(OSError):
-        shutil.rmtree(path) if path.is_dir() else path.unlink(missing_ok=True)
+        shutil.rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink(missing_ok=True)
 
 
 def _is_alive(pid: int, start: int) -> bool:

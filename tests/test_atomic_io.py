@@ -1,6 +1,8 @@
 """Files that are whole or not there: what is left of others, what is left alone, and what cannot be written."""
 
 import os
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -124,3 +126,117 @@ def test_the_digest_of_a_folder_is_of_names_and_contents(tmp_path) -> None:
         (folder / name).write_bytes(content)
         digests.add(file_digest(folder))
     assert len(digests) == 3
+
+
+# Kills a child at each line of the module in turn, while it replaces a file and a folder, and prints what is left.
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from emovid import atomic_io
+
+if sys.argv[1] == "renames":
+    atomic_io._exchange = lambda *_: False
+
+def replace():
+    with atomic_io.writing(Path("file")) as file:
+        file.write(b"new")
+    with atomic_io.whole_folder(Path("folder")) as part:
+        for name in ("a", "b"):
+            (part / name).write_text("new")
+
+def state():
+    return [Path("file").read_text(), *(Path("folder", name).read_text() for name in ("a", "b"))]
+
+def child(last):
+    lines = 0
+    def trace(frame, event, _):
+        nonlocal lines
+        if frame.f_code.co_filename != atomic_io.__file__:
+            return None
+        lines += event == "line"
+        if lines == last:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return trace
+    sys.settrace(trace)
+    replace()
+    os._exit(0)
+
+ended = None
+last = 0
+while ended != 0:
+    last += 1
+    Path("file").write_text("old")
+    Path("folder").mkdir(exist_ok=True)
+    for name in ("a", "b"):
+        Path("folder", name).write_text("old")
+    pid = os.fork() or child(last)
+    ended = os.waitpid(pid, 0)[1]
+    if sys.argv[1] == "renames":
+        atomic_io.clear_leftovers(Path())
+    print(*state())
+    atomic_io.clear_leftovers(Path())
+    assert sorted(os.listdir()) == ["file", "folder"], os.listdir()
+"""
+
+
+@pytest.mark.parametrize("how", ["exchange", "renames"])
+def test_the_old_or_the_new_is_whole_after_a_kill_at_any_line(how, tmp_path) -> None:
+    done = subprocess.run([sys.executable, "-c", KILLED, how], cwd=tmp_path, capture_output=True, text=True, check=True)
+    states = done.stdout.splitlines()
+    assert len(states) > 50
+    assert set(states) == {"old old old", "new old old", "new new new"}
+    assert states == sorted(states, key=["old old old", "new old old", "new new new"].index)
+
+
+def test_a_link_stays_and_what_it_points_to_is_replaced(tmp_path) -> None:
+    (tmp_path / "disk" / "pictures").mkdir(parents=True)
+    (tmp_path / "disk" / "pictures" / "old").touch()
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "pictures").symlink_to("../disk/pictures")
+    (tmp_path / "out" / "text").symlink_to("../disk/text")
+    with whole_folder(tmp_path / "out" / "pictures") as part:
+        (part / "new").touch()
+    with writing(tmp_path / "out" / "text") as file:
+        file.write(b"text")
+    assert names(tmp_path / "out") == ["pictures", "text"]
+    assert (tmp_path / "out" / "pictures").is_symlink()
+    assert names(tmp_path / "disk") == ["pictures", "text"]
+    assert names(tmp_path / "disk" / "pictures") == ["new"]
+
+
+def test_a_linked_leftover_is_removed_and_its_folder_kept(tmp_path) -> None:
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "text").touch()
+    (tmp_path / f".x.{DEAD}.part").symlink_to("mine")
+    clear_leftovers(tmp_path)
+    assert names(tmp_path) == ["mine"]
+    assert names(tmp_path / "mine") == ["text"]
+
+
+def test_a_private_file_stays_private(tmp_path) -> None:
+    file = tmp_path / "answers.csv"
+    file.write_text("1")
+    file.chmod(0o600)
+    replace_if_changed(file, b"2")
+    assert file.read_bytes() == b"2"
+    assert file.stat().st_mode & 0o777 == 0o600
+
+
+def test_everything_is_on_disk_before_it_gets_its_name(tmp_path, monkeypatch) -> None:
+    done: list[str] = []
+    sync, replace = os.fsync, Path.replace
+
+    def fsync(descriptor: int) -> None:
+        done.append(Path(f"/proc/self/fd/{descriptor}").readlink().name.partition(".part")[0].lstrip(".").split(".")[0])
+        sync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", fsync)
+    monkeypatch.setattr(Path, "replace", lambda part, target: done.append("rename") or replace(part, target))
+    monkeypatch.setattr("emovid.atomic_io._replace_folder", lambda target, part: done.append("rename"))
+    with writing(tmp_path / "x") as file:
+        file.write(b"1")
+    assert done == ["x", "rename", tmp_path.name]
+    done.clear()
+    with whole_folder(tmp_path / "pictures") as part:
+        (part / "a").touch()
+    assert done == ["a", "pictures", "rename", tmp_path.name]
