@@ -1,11 +1,11 @@
-"""The program, `emovid` or `python -m emovid`. It imports the command line last, since worker processes import this."""
+"""The program, `emovid` or `python -m emovid`; worker processes import this module, but not the command line."""
 
 import sys
 from typing import NoReturn
 
 
 def run() -> NoReturn:
-    """Run the command line; a Ctrl-C before that has been imported ends the program like one that comes later."""
+    """Run the command line; Ctrl-C during its import ends the program like a later one."""
     try:
         from emovid.cli.main import run as run_command_line  # noqa: PLC0415
     except KeyboardInterrupt:

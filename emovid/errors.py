@@ -1,7 +1,7 @@
-"""What can go wrong, said in one line.
+"""Errors, each with a message of one line.
 
-Every error a user can cause is an `EmovidError`. Its text is the whole message, its `exit_code` what the
-command line returns. They are caught once, in `emovid.cli.main`.
+Every error that a user can cause is an `EmovidError`. Its text is the whole message; its `exit_code` is that of the
+command line, which catches these errors in one place, `emovid.cli.main`.
 """
 
 import re
@@ -11,18 +11,20 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from typing import TextIO
 
-_MISSING_GLYPH = re.compile(r"Glyph (\d+) .* missing from font\(s\) (.*?)\.?$")  # matplotlib's, of each, each time
+_MISSING_GLYPH = re.compile(
+    r"Glyph (\d+) .* missing from font\(s\) (.*?)\.?$"
+)  # matplotlib warns about each glyph, each time
 _fonts_told: set[str] = set()
 
 
 class EmovidError(Exception):
-    """Something that ends the command with one line on stderr: exit code 1, a failure that is not the input's."""
+    """An error that ends the command with one line on stderr; exit code 1, a failure not due to the input."""
 
     exit_code = 1
 
 
 class InputError(EmovidError):
-    """What the user gave cannot be used: exit code 2, and nothing has been written."""
+    """Invalid input: exit code 2; nothing has been written."""
 
     exit_code = 2
 
@@ -31,8 +33,8 @@ class SourceError(InputError):
     """Invalid content of a file or an option.
 
     Attributes:
-        where: the file, or the option; alone, the whole message.
-        message: what was given, and after a semicolon what is expected.
+        where: the file or the option; if given alone, the whole message.
+        message: the given value, and after a semicolon the expected one.
         line: the line in the file, counted from 1, or 0 for the file as a whole.
         key: the key or the column, or "".
     """
@@ -44,12 +46,12 @@ class SourceError(InputError):
         self.where, self.message, self.line, self.key = where, message, line, key
 
     def __reduce__(self) -> tuple[type["SourceError"], tuple[str, str, int, str]]:
-        # An exception is rebuilt from its `args` when it crosses to another process; this one takes four.
+        # An exception sent to another process is rebuilt from its `args`; this one takes four.
         return SourceError, (self.where, self.message, self.line, self.key)
 
 
 class RenderError(EmovidError):
-    """A video that could not be made: the encoder failed, or the file is not whole."""
+    """A video that could not be made: the encoder failed, or the file is incomplete."""
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
@@ -76,7 +78,7 @@ def shortened(text: str, longest: int = 60) -> str:
 
 
 def say_warnings_in_one_line() -> None:
-    """From now on, have warnings of this process said on stderr as errors are; once for all glyphs of a font."""
+    """Print the warnings of this process in one line on stderr; only one for all missing glyphs of a font."""
     warnings.showwarning = _show_warning
 
 
@@ -94,5 +96,7 @@ def _show_warning(
         if font in _fonts_told:
             return
         _fonts_told.add(font)
-        text = f"{font}, the font of figures, lacks {chr(int(code))} and maybe others: they are drawn as boxes"
+        text = (
+            f"{font}, the font of figures, lacks {chr(int(code))} and maybe other characters: they are drawn as boxes"
+        )
     print(f"warning: {text}", file=file or sys.stderr)

@@ -1,4 +1,4 @@
-"""Signals at moments when they would tear something apart: held back for a while, then delivered."""
+"""Signals held back while an interruption would leave something half done, then delivered."""
 
 import signal
 import threading
@@ -10,11 +10,10 @@ _ENDING = (signal.SIGINT, signal.SIGTERM)
 
 @contextmanager
 def held_signals() -> Iterator[None]:
-    """Hold back SIGINT and SIGTERM, in Python; they act when the block is left.
+    """Hold back SIGINT and SIGTERM in Python until the block is left.
 
-    A child process that is being started could otherwise be lost: an exception out of `Popen` leaves nobody who knows
-    it. Unlike a blocked signal, a held one is not inherited by such a child. Only the main thread handles signals;
-    elsewhere there is nothing to hold.
+    Otherwise an exception out of `Popen` could lose the child process that was being started. Unlike a blocked signal,
+    a held one is not inherited by a child. Only the main thread handles signals; in other threads this does nothing.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -32,7 +31,7 @@ def held_signals() -> Iterator[None]:
 
 @contextmanager
 def blocked_signals() -> Iterator[None]:
-    """Block SIGINT and SIGTERM, also in child processes started meanwhile, until these call `unblock_signals`."""
+    """Block SIGINT and SIGTERM, also in child processes started in the block, until these call `unblock_signals`."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, _ENDING)
     try:
         yield
@@ -41,5 +40,5 @@ def blocked_signals() -> Iterator[None]:
 
 
 def unblock_signals() -> None:
-    """Let SIGINT and SIGTERM through, in a process that was started under `blocked_signals`."""
+    """Unblock SIGINT and SIGTERM in a process that was started under `blocked_signals`."""
     signal.pthread_sigmask(signal.SIG_UNBLOCK, _ENDING)

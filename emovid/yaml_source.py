@@ -1,8 +1,8 @@
-"""YAML text to plain values, with the line of every key; and one clear line for text that is none.
+"""YAML text to plain values with the line of every key, and one clear error for text that is not YAML.
 
-PyYAML reads YAML 1.1, where `1e-3` is text, `on` is true and `1:30` is ninety. Scenes are read by the core schema of
-YAML 1.2 instead (yaml.org/spec/1.2.2, section 10.3), which is what people mean. Tags, anchors and aliases are
-refused: no scene needs them, and they are how a small file becomes a large or an endless one.
+PyYAML reads YAML 1.1, where `1e-3` is text, `on` is true and `1:30` is ninety. Files are read by the core schema of
+YAML 1.2 instead (yaml.org/spec/1.2.2, section 10.3), which is what people expect. Tags, anchors and aliases are
+refused: no file needs them, and with them a small file can expand to a huge or endless one.
 """
 
 import re
@@ -26,7 +26,7 @@ _RESOLVERS = (
 
 
 class _Loader(yaml.SafeLoader):
-    """Composes nodes by the core schema, refuses anchors and aliases, and shows the tags that were written."""
+    """Composes nodes by the core schema, refuses anchors and aliases, and keeps explicit tags visible."""
 
     yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012 - as PyYAML declares it; empty, so that only ours apply
 
@@ -36,15 +36,26 @@ class _Loader(yaml.SafeLoader):
             mark = event.start_mark
             raise yaml.MarkedYAMLError(problem="anchors and aliases are not supported", problem_mark=mark)
         node = super().compose_node(parent, index)
-        if (
-            node is not None and event.tag is not None
-        ):  # keep it apart from the tags of plain values, so that it is refused
+        if node is not None and event.tag is not None:  # unlike the tags of plain values, so that it is refused
             node.tag = event.tag.replace(_CORE, "!!")
         return node
 
+    def scan_to_next_token(self) -> None:
+        """Skip spaces, comments and line breaks, and tabs where YAML 1.2 allows them (sections 6.2 and 6.6)."""
+        super().scan_to_next_token()
+        while self.peek() == "\t" and self._may_skip_tab():
+            self.forward()
+            super().scan_to_next_token()
+
+    def _may_skip_tab(self) -> bool:
+        """Return whether a tab indents nothing: it follows a word, or only a comment or nothing follows it."""
+        line = self.buffer.rfind("\n", 0, self.pointer) + 1
+        before, after = self.buffer[line : self.pointer], self.buffer[self.pointer :].lstrip(" \t")
+        return bool(before.strip(" \t-?")) or after[:1] in ("#", "\n", "\r", "\0")
+
 
 class _WordLoader(_Loader):
-    """Leaves numbers and truths as they are written."""
+    """Leaves numbers and booleans as text."""
 
     yaml_implicit_resolvers: dict[str, Any] = {}  # noqa: RUF012 - as above
 
@@ -56,13 +67,13 @@ for _name, _pattern, _first in _RESOLVERS:
 
 
 def read_yaml(text: str, where: str, what: str = "scene", as_words: bool = False) -> tuple[Any, dict[KeyPath, str]]:
-    """Return the values in `text` and, for the path of each key, the place it stands at, ``"file:line"``.
+    """Return the values in `text` and, for the path of each key, its place, as in ``"file:line"``.
 
     Args:
         text: one YAML document.
-        where: what to call it in messages, usually the file.
-        what: it should hold, for messages.
-        as_words: whether values are text as it stands there, 007 and 1.50 too, or None.
+        where: its name in messages, usually the file.
+        what: the kind of file, for messages.
+        as_words: whether to keep values as text, 007 and 1.50 too; a missing value is None.
 
     Raises:
         SourceError: for a syntax error, a duplicate key, a tag, an alias, more than one document, or none.
@@ -77,17 +88,19 @@ def read_yaml(text: str, where: str, what: str = "scene", as_words: bool = False
         mark = error.problem_mark or error.context_mark
         line = f":{mark.line + 1}" if mark else ""
         problem = " ".join(str(error.problem or error.context).split()).removeprefix("but ")
+        if "'\\t'" in problem:
+            problem = "a tab; expected spaces"
         raise SourceError(f"{where}{line}", f"not YAML: {problem}") from None
     except yaml.YAMLError as error:
         raise SourceError(where, f"not YAML: {str(error).splitlines()[0]}") from None
-    except (ValueError, OverflowError):  # PyYAML's own, for characters beyond Unicode and endless version numbers
-        raise SourceError(where, "not YAML: a character or number beyond all bounds") from None
+    except (ValueError, OverflowError):  # from PyYAML, for characters outside Unicode and endless version numbers
+        raise SourceError(where, "not YAML: a character or number out of range") from None
     except RecursionError:
         raise SourceError(where, f"not a {what}: nested too deeply") from None
 
 
 def read_value(text: str, where: str) -> Any:
-    """Return the value of `text` as it would be in a scene; a leading ``#`` is a colour, and nothing is null."""
+    """Return the value of `text` as in a scene; a leading ``#`` starts a color, and empty text is null."""
     if text.startswith("#"):
         return text
     try:
@@ -126,7 +139,7 @@ def _mapping(node: yaml.MappingNode, path: KeyPath, places: dict[KeyPath, str], 
 
 
 def _integer(text: str) -> int:
-    if len(text) > 40:  # no key takes one, and Python refuses to print the longest
+    if len(text) > 40:  # no key takes such a number, and Python refuses to print the longest ones
         raise ValueError(text)
     return int(text, 0) if text[:2] in ("0o", "0x") else int(text)
 
@@ -149,10 +162,10 @@ def _refuse(node: yaml.Node, path: KeyPath, where: str, message: str) -> NoRetur
 
 
 def key_path(key: str) -> KeyPath:
-    """Return the path of a dotted key; numbers are places in a list."""
+    """Return the path of a dotted key; numbers are indices of lists."""
     return tuple(int(part) if part.isdecimal() and len(part) < 10 else part for part in key.split("."))
 
 
 def place_of(path: KeyPath, places: Places) -> str:
-    """Return the place of a key, or of the innermost group around it that was written."""
+    """Return the place of a key, or of the innermost written group around it."""
     return next((places[path[:n]] for n in range(len(path), -1, -1) if path[:n] in places), "")

@@ -31,5 +31,5 @@ def test_letters_that_the_font_lacks_are_said_once(capsys) -> None:
     figure.text(0, 1, "悲伤", family="DejaVu Sans")
     for _ in range(2):
         figure.savefig(io.BytesIO(), format="svg")
-    expected = "DejaVu Sans, the font of figures, lacks 幸 and maybe others: they are drawn as boxes"
+    expected = "DejaVu Sans, the font of figures, lacks 幸 and maybe other characters: they are drawn as boxes"
     assert capsys.readouterr().err == f"warning: {expected}\n"

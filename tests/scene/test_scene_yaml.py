@@ -289,3 +289,14 @@ def test_any_data_in_a_shipped_scene_is_a_scene_or_one_line(emotion, choice, odd
     group = choice.draw(st.sampled_from(groups_in(data)))
     group[choice.draw(st.sampled_from(sorted(group)) | st.text(max_size=5))] = odd
     assert_scene_or_one_line(yaml.safe_dump(data, allow_unicode=True, sort_keys=False))
+
+
+def test_a_tab_may_stand_before_a_comment_at_a_line_s_end_and_between_words() -> None:
+    text = 'a: 1\t# one\nb:\t2\nc: "x"\t\n\t\nd: {e:\t1,\tf: 2}\t# both\n'
+    assert read_yaml(text, "x")[0] == {"a": 1, "b": 2, "c": "x", "d": {"e": 1, "f": 2}}
+
+
+@pytest.mark.parametrize("text", ["a:\n\t- 1\n", "a:\n\tb: 1\n", "a:\n  -\tb: 1\n", "\ta: 1\n"])
+def test_a_tab_that_would_indent_is_named(text) -> None:
+    with pytest.raises(SourceError, match=r"^x:\d: not YAML: a tab; expected spaces$"):
+        read_yaml(text, "x")
