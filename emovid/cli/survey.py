@@ -13,7 +13,7 @@ from emovid.cli.options import Json, Quiet, check_file
 from emovid.errors import EmovidError, InputError
 from emovid.survey.codes import digest, normalized
 from emovid.survey.export import progress_of, responses_csv
-from emovid.survey.store import open_survey
+from emovid.survey.store import Withdrawal, open_survey
 
 Pilot = Annotated[bool, typer.Option("--pilot", help="Use the answers of the pilot, which have a file of their own.")]
 Release = Annotated[
@@ -104,9 +104,14 @@ def withdraw(
     """
     normal = normalized(code)
     _, store = open_survey(kit, pilot=pilot)
-    known = bool(normal) and store.withdraw(digest(normal))
+    outcome = store.withdraw(digest(normal)) if normal else Withdrawal.UNKNOWN
     store.close()
-    if not known:
+    if outcome is Withdrawal.UNKNOWN:
         raise InputError(f"{code}: no participant has this code; expected one such as bcdf-ghjk-mnpq-rstv-wxyz-2345")
+    if outcome is Withdrawal.PENDING:
+        raise EmovidError(
+            "the answers are deleted, but another program reads the database, and its log still holds them: "
+            "close that program and run this command again"
+        )
     if not quiet:
         print("all records of this participant are deleted; delete them in earlier exports, too", file=sys.stderr)

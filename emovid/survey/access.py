@@ -5,6 +5,7 @@ from werkzeug.wrappers import Response
 
 from emovid.survey import codes, session
 from emovid.survey.session import survey
+from emovid.survey.store import Withdrawal
 
 access = Blueprint("access", __name__)
 Reply = Response | str | tuple[str, int]
@@ -42,11 +43,13 @@ def withdraw() -> Reply:
     """Delete all records of a participant; a repetition changes nothing."""
     given = request.form.get("code", "")
     code = codes.normalized(given)
-    if not code or not survey().store.withdraw(codes.digest(code)):
+    outcome = survey().store.withdraw(codes.digest(code)) if code else Withdrawal.UNKNOWN
+    if outcome is Withdrawal.UNKNOWN:
         return render_template("withdraw.html", given=given, unknown=True), 404
     if code == g.code:
         session.use_code(codes.fresh_code())
-    return render_template("message.html", text=survey().manifest.texts.withdrawn)
+    texts = survey().manifest.texts
+    return render_template("message.html", text=texts.withdrawn if outcome is Withdrawal.DELETED else texts.erasing)
 
 
 @access.get("/new")

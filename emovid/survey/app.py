@@ -6,16 +6,19 @@ from werkzeug.exceptions import Forbidden, HTTPException
 from emovid.kit.folder import Kit
 from emovid.survey import codes, session
 from emovid.survey.access import access
+from emovid.survey.database import DatabaseBusyError
+from emovid.survey.forms import body_limit
 from emovid.survey.pages import pages
 from emovid.survey.player import player
 from emovid.survey.session import Survey
 from emovid.survey.store import Store
 
-MAX_BYTES = 64 * 1024  # of a request
+Reply = tuple[str, int, dict[str, str]]
 RELEASE = 2 * 60 * 60.0  # s
+_RIGHT_TO_LEFT = ("ar", "arc", "ckb", "dv", "fa", "he", "iw", "ks", "ku", "nqo", "ps", "sd", "syr", "ug", "ur", "yi")
 _HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
-    "media-src 'self'; connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'",
+    "media-src 'self' blob:; connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'",
     "X-Content-Type-Options": "nosniff",
     "X-Frame-Options": "DENY",
     "Referrer-Policy": "no-referrer",
@@ -34,7 +37,8 @@ def create_app(kit: Kit, store: Store, *, https: bool = False, release: float = 
         release: seconds without activity after which an unfinished participant's row of the orders is free again.
     """
     app = Flask(__name__)
-    app.config.update(MAX_CONTENT_LENGTH=MAX_BYTES, MAX_FORM_MEMORY_SIZE=MAX_BYTES, MAX_FORM_PARTS=200)
+    limit = body_limit(kit.manifest.demographics)
+    app.config.update(MAX_CONTENT_LENGTH=limit, MAX_FORM_MEMORY_SIZE=limit, MAX_FORM_PARTS=200)
     app.jinja_env.trim_blocks = app.jinja_env.lstrip_blocks = True
     app.url_map.merge_slashes = False  # only the exact addresses of the pages exist
     app.extensions["survey"] = Survey(kit, store, https, release)
@@ -61,14 +65,19 @@ def _secure(response: Response) -> Response:
     return response
 
 
-def _error_page(error: Exception) -> tuple[str, int]:
+def _error_page(error: Exception) -> Reply:
     """Return a page that explains an error in the study's words, without technical details."""
+    texts = session.survey().manifest.texts
+    if isinstance(error, DatabaseBusyError):
+        page = render_template("message.html", text=texts.busy, has_next=True)
+        return page, 503, {"Retry-After": "2", "X-Survey": "busy"}
     status = (error.code if isinstance(error, HTTPException) else None) or 500
     if status >= 500:
         current_app.logger.error("a request failed", exc_info=error)
-    texts = session.survey().manifest.texts
-    text = {403: texts.out_of_date, 404: texts.not_found}.get(status, texts.failed)
-    return render_template("message.html", text=text, has_next=True), status
+    text = {403: texts.out_of_date, 404: texts.not_found, 413: texts.too_long}.get(status, texts.failed)
+    if status == 403 and not session.has_cookie():
+        text = texts.cookies
+    return render_template("message.html", text=text, has_next=True), status, {}
 
 
 def _shared_context() -> dict[str, object]:
@@ -76,6 +85,7 @@ def _shared_context() -> dict[str, object]:
     return {
         "manifest": manifest,
         "texts": manifest.texts,
+        "direction": "rtl" if manifest.language.split("-")[0] in _RIGHT_TO_LEFT else "ltr",
         "form_field": session.FORM_FIELD,
         "form_token": session.form_token() if "code" in g else "",
         "code": codes.readable(g.code) if "code" in g else "",

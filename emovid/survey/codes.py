@@ -30,6 +30,12 @@ def digest(code: str) -> str:
     return hashlib.sha256(f"emovid survey/{code}".encode()).hexdigest()
 
 
+def site_name(secret: bytes) -> str:
+    """Return five characters that tell the participants of one database from those of every other one."""
+    number = int.from_bytes(hashlib.sha256(b"emovid site/" + secret).digest())
+    return "".join(_ALPHABET[number // len(_ALPHABET) ** i % len(_ALPHABET)] for i in range(5))
+
+
 def form_token(secret: bytes, code: str) -> str:
     """Return the token that every form must send; pages of other sites cannot know it."""
     return hmac.digest(secret, code.encode(), "sha256").hex()

@@ -12,80 +12,144 @@ from emovid.atomic_io import make_folder
 from emovid.errors import EmovidError, InputError, reason
 
 _OWNER_ONLY = 0o600
-_BUSY = 30.0  # seconds to wait for another process, such as one that withdraws a participant
-# Write-ahead log: readers of other processes do not wait for writers. FULL: the log is on the disk at each commit.
+# Write-ahead log: readers do not wait for writers. FULL: the log is on the disk at each commit.
 _PRAGMAS = ("journal_mode = WAL", "synchronous = FULL", "foreign_keys = ON", "secure_delete = ON")
+_ADDED = {  # columns that files of version 0.1.0 do not have
+    "plays": (
+        "stalls INTEGER NOT NULL DEFAULT 0",
+        "stalled_ms INTEGER NOT NULL DEFAULT 0",
+        "play_ms INTEGER NOT NULL DEFAULT 0",
+    ),
+    "answers": ("response_ms INTEGER",),
+}
+
+
+class DatabaseBusyError(EmovidError):
+    """Another program holds the write lock of the database."""
 
 
 class Database:
-    """The open database of one kit's survey: one connection, which threads use in turn.
+    """The open database of one kit's survey: a connection for writing, and one for reading in each thread.
 
     Args:
         path: file of the database, created if missing, readable by its owner only.
         commitment: commitment to the key of the kit, which identifies the kit.
+        patience: seconds to wait while another program holds the write lock.
 
     Raises:
         InputError: if the file is not the database of a survey, or belongs to another kit.
+        DatabaseBusyError: if another program holds the lock.
         EmovidError: if the file cannot be opened.
     """
 
-    def __init__(self, path: Path, commitment: str) -> None:
-        self._lock = threading.Lock()
+    def __init__(self, path: Path, commitment: str, patience: float) -> None:
+        self._path, self._patience = path, patience
+        self._lock, self._local = threading.Lock(), threading.local()
+        self._open: list[sqlite3.Connection] = []
+        self._unfinished = False  # whether the log still holds deleted content
         make_folder(path.parent)
         try:
             os.close(os.open(path, os.O_RDWR | os.O_CREAT, _OWNER_ONLY))
         except OSError as error:
             raise EmovidError(f"{path}: cannot be opened: {reason(error)}") from None
-        self._connection = sqlite3.connect(path, timeout=_BUSY, isolation_level=None, check_same_thread=False)
         try:
+            self._writer = self._connect()
             self._set_up(commitment)
+            found = self._fact("commitment")
         except sqlite3.DatabaseError as error:
             self.close()
             raise InputError(f"{path}: {error}; expected the database of a survey") from None
-        if self._fact("commitment") != commitment:
+        except DatabaseBusyError:
+            self.close()
+            raise
+        if found != commitment:
             self.close()
             raise InputError(f"{path}: holds the answers to another kit; expected those to this kit, or no such file")
         self.secret = bytes.fromhex(self._fact("secret"))
 
     def close(self) -> None:
         """Close the file."""
-        self._connection.close()
+        for connection in self._open:
+            connection.close()
 
     @contextmanager
     def reading(self) -> Iterator[sqlite3.Connection]:
-        """Provide the connection for statements that see the same state."""
-        with self._transaction("BEGIN") as connection:
-            yield connection
+        """Provide a connection for statements that see the same state; it waits for no writer."""
+        reader = getattr(self._local, "reader", None)
+        if reader is None:
+            reader = self._local.reader = self._connect()
+        with self._transaction(reader, "BEGIN"):
+            yield reader
 
     @contextmanager
     def writing(self) -> Iterator[sqlite3.Connection]:
         """Provide the connection for statements that take effect together on exit, or not at all."""
-        with self._transaction("BEGIN IMMEDIATE") as connection:
-            yield connection
+        if not self._lock.acquire(timeout=self._patience):
+            raise self._busy()
+        try:
+            with self._transaction(self._writer, "BEGIN IMMEDIATE"):
+                yield self._writer
+            if self._unfinished:
+                self._truncate_log(0)
+        finally:
+            self._lock.release()
 
-    def checkpoint(self) -> None:
-        """Move the write-ahead log into the file, so that neither of them holds deleted content."""
+    def checkpoint(self) -> bool:
+        """Move the write-ahead log into the file and empty it; return whether neither holds deleted content now.
+
+        A reader of an older state keeps the log; later transactions then try again.
+        """
         with self._lock:
-            self._connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            self._truncate_log(self._patience)
+        return not self._unfinished
+
+    def _truncate_log(self, patience: float) -> None:
+        self._writer.execute(f"PRAGMA busy_timeout = {round(1000 * patience)}")
+        try:
+            busy, _, _ = self._writer.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()
+            self._unfinished = bool(busy)
+        except sqlite3.OperationalError:
+            self._unfinished = True
+        finally:
+            self._writer.execute(f"PRAGMA busy_timeout = {round(1000 * self._patience)}")
 
     @contextmanager
-    def _transaction(self, begin: str) -> Iterator[sqlite3.Connection]:
-        with self._lock:
-            self._connection.execute(begin)
-            try:
-                yield self._connection
-                self._connection.execute("COMMIT")
-            finally:
-                if self._connection.in_transaction:
-                    self._connection.execute("ROLLBACK")
+    def _transaction(self, connection: sqlite3.Connection, begin: str) -> Iterator[None]:
+        try:
+            connection.execute(begin)
+            yield
+            connection.execute("COMMIT")
+        except sqlite3.OperationalError as error:
+            if error.sqlite_errorcode & 0xFF in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED):
+                raise self._busy() from None
+            raise
+        finally:
+            if connection.in_transaction:
+                connection.execute("ROLLBACK")
+
+    def _busy(self) -> DatabaseBusyError:
+        return DatabaseBusyError(f"{self._path}: locked by another program; close that program and try again")
+
+    def _connect(self) -> sqlite3.Connection:
+        connection = sqlite3.connect(
+            self._path, timeout=self._patience, isolation_level=None, check_same_thread=False
+        )
+        self._open.append(connection)
+        return connection
 
     def _set_up(self, commitment: str) -> None:
         for pragma in _PRAGMAS:
-            self._connection.execute(f"PRAGMA {pragma}")
+            self._writer.execute(f"PRAGMA {pragma}")
         schema = Path(__file__).with_name("schema.sql").read_text(encoding="utf-8")
-        self._connection.executescript(f"BEGIN IMMEDIATE;\n{schema}\nCOMMIT;")
         facts = {"commitment": commitment, "secret": secrets.token_hex(32)}
         with self.writing() as sql:
+            for statement in schema.split(";\n"):
+                sql.execute(statement)
+            for table, columns in _ADDED.items():
+                known = {name for _, name, *_ in sql.execute(f"PRAGMA table_info({table})")}
+                for column in columns:
+                    if column.split()[0] not in known:
+                        sql.execute(f"ALTER TABLE {table} ADD COLUMN {column}")
             sql.executemany("INSERT OR IGNORE INTO facts VALUES (?, ?)", facts.items())
 
     def _fact(self, name: str) -> str:

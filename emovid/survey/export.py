@@ -40,6 +40,11 @@ class ResponseRow:
     height: int | str
     frames: int
     dropped_frames: int
+    ended_seconds: str
+    stalls: int
+    stalled_ms: int
+    play_ms: int
+    response_ms: int | str
     device: str
     order_row: str
     consent_version: str
@@ -173,6 +178,11 @@ def _row(person: Participant, place: int, answer: Answer, view: Viewing, status:
         height=view.screen.height if view.screen else "",
         frames=view.frames,
         dropped_frames=view.dropped,
+        ended_seconds=_since(person, view.ended),
+        stalls=view.watched.stalls,
+        stalled_ms=view.watched.stalled_ms,
+        play_ms=view.watched.play_ms,
+        response_ms="" if answer.first_ms is None else answer.first_ms,
         device=view.screen.device if view.screen else "",
         order_row=person.order_row,
         consent_version=person.consent_version,
@@ -182,4 +192,4 @@ def _row(person: Participant, place: int, answer: Answer, view: Viewing, status:
 
 
 def _since(person: Participant, moment: float | None) -> str:
-    return "" if moment is None else f"{moment - person.enrolled:.1f}"
+    return "" if moment is None else f"{max(moment - person.enrolled, 0.0):.3f}"

@@ -1,16 +1,21 @@
 """Validation of what forms and the player send: values that our pages cannot send are replaced or refused."""
 
 import re
+import unicodedata
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from emovid.kit.manifest import NamedRating
 from emovid.kit.study import Question
-from emovid.survey.records import Screen
+from emovid.survey.records import Playback, Screen
 
 MAX_CHARACTERS = 500  # of a line of text
+MIN_BODY = 64 * 1024  # bytes of a request that are always accepted
+_BYTES_PER_CHARACTER = 12  # of a character outside the Basic Multilingual Plane, percent-encoded
+_MAX_MS = 24 * 60 * 60 * 1000  # of a time measured by the browser
 DEVICES = ("phone", "tablet", "desktop")
+_NOT_IN_A_LINE = ("Cc", "Zl", "Zp", "Cs")  # controls, line and paragraph separators, halves of a character
 _MAX_COUNT = 100_000  # pixels or frames: more is an error
 
 
@@ -22,13 +27,13 @@ class PlayerReport:
         play: name of the playback.
         screen: device that shows it; zeros and "" where the report does not say.
         share: reported share of the video's length that was watched.
-        frames: number of frames shown, and of frames dropped.
+        playback: what the browser counted and measured.
     """
 
     play: str
     screen: Screen
     share: float
-    frames: tuple[int, int]
+    playback: Playback
 
 
 def about_of(items: Sequence[Question], form: Mapping[str, str]) -> tuple[dict[str, str], set[str]]:
@@ -55,15 +60,37 @@ def report_of(data: Any) -> PlayerReport | None:
         return None
     device = data.get("device")
     screen = Screen(device if device in DEVICES else "", _count(data.get("width")), _count(data.get("height")))
-    frames = _count(data.get("frames")), _count(data.get("dropped"))
-    return PlayerReport(play, screen, _clipped(data.get("share"), 1.0), frames)
+    playback = Playback(
+        frames=_count(data.get("frames")),
+        dropped=_count(data.get("dropped")),
+        stalls=_count(data.get("stalls")),
+        stalled_ms=round(_clipped(data.get("stalled-ms"), _MAX_MS)),
+        play_ms=round(_clipped(data.get("play-ms"), _MAX_MS)),
+    )
+    return PlayerReport(play, screen, _clipped(data.get("share"), 1.0), playback)
+
+
+def body_limit(items: Sequence[Question]) -> int:
+    """Return the size [bytes] of the largest request that the study's longest form can make."""
+    lines = sum(item.choices is None for item in items)
+    return MIN_BODY + lines * MAX_CHARACTERS * _BYTES_PER_CHARACTER
+
+
+def response_ms_of(form: Mapping[str, str]) -> int | None:
+    """Return the response time that the browser measured [ms], if the form has one."""
+    given = form.get("response-ms", "")
+    return int(given) if re.fullmatch("[0-9]{1,8}", given) and int(given) <= _MAX_MS else None
 
 
 def _text(item: Question, given: str) -> str:
-    """Return an answer: one of the choices, or a line of text without unprintable characters; else ""."""
+    """Return an answer: one of the choices, or a line of text; "" without one.
+
+    Control characters and line ends become spaces. Joiners and marks of direction (category Cf) belong to the words of
+    many scripts, and stay.
+    """
     if item.choices is not None:
         return given if given in item.choices else ""
-    return " ".join("".join(mark if mark.isprintable() else " " for mark in given).split())[:MAX_CHARACTERS]
+    return "".join(" " if unicodedata.category(c) in _NOT_IN_A_LINE else c for c in given).strip()[:MAX_CHARACTERS]
 
 
 def _rating(given: str, steps: int) -> int:

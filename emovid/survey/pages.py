@@ -1,13 +1,15 @@
 """The pages of the survey in sequence, from the consent to the thanks."""
 
 from collections.abc import Collection, Mapping
+from contextlib import suppress
 from dataclasses import replace
 
 from flask import Blueprint, abort, g, redirect, render_template, request, url_for
 from werkzeug.wrappers import Response
 
 from emovid.survey import codes, session
-from emovid.survey.forms import MAX_CHARACTERS, about_of, answer_of
+from emovid.survey.database import DatabaseBusyError
+from emovid.survey.forms import MAX_CHARACTERS, about_of, answer_of, response_ms_of
 from emovid.survey.records import Participant
 from emovid.survey.rules import Page, Step, after_video, before, current, is_open
 from emovid.survey.session import survey
@@ -41,7 +43,7 @@ def consent() -> Reply:
 def about() -> Reply:
     """Ask the questions about the participant."""
     person = _allowed(Step(Page.ABOUT))
-    return _about_page(person.about or {})
+    return _about_page(person, person.about or {})
 
 
 @pages.post("/about")
@@ -50,7 +52,7 @@ def tell() -> Reply:
     person = _allowed(Step(Page.ABOUT))
     about, missing = about_of(survey().manifest.demographics, request.form)
     if missing:
-        return _about_page(about, missing), 400
+        return _about_page(person, about, missing), 400
     survey().store.tell(person.id, about)
     return _to(Step(Page.INSTRUCTIONS))
 
@@ -59,7 +61,8 @@ def tell() -> Reply:
 def instructions() -> Reply:
     """Show the instructions and the notice of motion."""
     person = _allowed(Step(Page.INSTRUCTIONS))
-    return render_template("instructions.html", back=_back(Step(Page.INSTRUCTIONS), person))
+    back = _back(Step(Page.INSTRUCTIONS), person)
+    return render_template("instructions.html", back=back, ahead=_videos_ahead(person, 1))
 
 
 @pages.post("/instructions")
@@ -74,7 +77,8 @@ def instruct() -> Reply:
 def video(place: int) -> Reply:
     """Show a video and ask the question of the study."""
     person = _allowed(Step(Page.VIDEO, place))
-    survey().store.show(person.id, place)
+    with suppress(DatabaseBusyError):  # the report of the first playback records it, too
+        survey().store.show(person.id, place)
     given = person.answers.get(place)
     return _video_page(person, place, given.response if given else "", given.ratings if given else {})
 
@@ -88,7 +92,7 @@ def answer(place: int) -> Reply:
         return _video_page(person, place, "", {}), 409
     if missing:
         return _video_page(person, place, response, ratings, missing), 400
-    if not survey().store.answer(person.id, place, response, ratings):
+    if not survey().store.answer(person.id, place, response, ratings, response_ms_of(request.form)):
         return redirect(url_for(".start"), 303)  # submitted or withdrawn in another tab meanwhile
     done = replace(session.progress(person), answered={*person.answers, place})
     return _to(after_video(place, done))
@@ -158,8 +162,19 @@ def _address(step: Step) -> str:
     return url_for(f"pages.{step.page.name.lower()}")
 
 
-def _about_page(about: Mapping[str, str], missing: Collection[str] = ()) -> str:
-    return render_template("about.html", answers=about, missing=missing, max_characters=MAX_CHARACTERS)
+def _about_page(person: Participant, about: Mapping[str, str], missing: Collection[str] = ()) -> str:
+    return render_template(
+        "about.html",
+        answers=about,
+        missing=missing,
+        max_characters=MAX_CHARACTERS,
+        ahead=_videos_ahead(person, 1),
+    )
+
+
+def _videos_ahead(person: Participant, place: int) -> list[str]:
+    """Return the addresses of a participant's videos from a place on, which the browser fetches ahead."""
+    return [url_for("player.media", name=code) for code in person.videos[place - 1 :]]
 
 
 def _video_page(
@@ -178,6 +193,7 @@ def _video_page(
         missing=missing,
         opened=place in person.opened,
         back=_back(Step(Page.VIDEO, place), person),
+        ahead=_videos_ahead(person, place + 1),
     )
 
 

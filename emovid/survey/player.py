@@ -45,7 +45,7 @@ def watched(place: int) -> dict[str, object]:
     duration = next(video.duration for video in survey().manifest.videos if video.code == person.videos[place - 1])
     now = store.clock()
     share = rules.credited(report.share, known.started, now, duration)
-    opened = store.end_play(person.id, place, report.play, share, report.frames, duration)
+    opened = store.end_play(person.id, place, report.play, share, report.playback, duration)
     return {"open": opened, "wait": 0 if opened else rules.wait(report.share, known.started, now, duration)}
 
 

@@ -6,20 +6,25 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from emovid.survey.rules import Play
+from emovid.survey.rules import WATCHED, Play
 
 Order = tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class Answer:
-    """The answer to a video that counts, and the first one; `given` and `first_given` are seconds since 1970."""
+    """The answer to a video that counts, and the first one.
+
+    `given` and `first_given` are seconds since 1970; `first_ms` is the time that the first answer took, measured by the
+    browser from the moment when the question could be answered [ms].
+    """
 
     response: str
     ratings: Mapping[str, int]
     given: float
     first: str
     first_given: float
+    first_ms: int | None
     changes: int
 
 
@@ -66,26 +71,54 @@ class Screen:
 
 
 @dataclass(frozen=True)
+class Playback:
+    """Quality of one playback, as the browser counts and measures it.
+
+    Attributes:
+        frames: frames shown.
+        dropped: frames dropped.
+        stalls: number of times that the video stood still, waiting for data.
+        stalled_ms: time for which it stood still [ms].
+        play_ms: time from the first frame to the last one, without pauses [ms].
+    """
+
+    frames: int = 0
+    dropped: int = 0
+    stalls: int = 0
+    stalled_ms: int = 0
+    play_ms: int = 0
+
+
+@dataclass(frozen=True)
 class Viewing:
     """How a participant saw a video.
 
     Attributes:
         shown: time when the page was first shown [s since 1970].
         started: time when the first playback began [s since 1970]; None before.
+        ended: time when the first full playback was reported [s since 1970]; None before.
         plays: number of playbacks.
         share: largest share of the video's length watched in one playback.
         screen: device of the first playback.
         frames: frames shown in all playbacks.
         dropped: frames dropped in all playbacks.
+        watched: quality of the first full playback, or of the longest one.
     """
 
     shown: float
     started: float | None
+    ended: float | None
     plays: int
     share: float
     screen: Screen | None
     frames: int
     dropped: int
+    watched: Playback
+
+
+class _ViewRow(NamedTuple):
+    shown: float
+    opened: float | None
 
 
 class _PlayRow(NamedTuple):
@@ -96,12 +129,20 @@ class _PlayRow(NamedTuple):
     height: int
     frames: int
     dropped: int
+    stalls: int
+    stalled_ms: int
+    play_ms: int
+
+    @property
+    def playback(self) -> Playback:
+        return Playback(self.frames, self.dropped, self.stalls, self.stalled_ms, self.play_ms)
 
 
 class _AnswerRow(NamedTuple):
     response: str
     ratings: str
     given: float
+    response_ms: int | None
 
 
 _PARTICIPANTS = (
@@ -164,7 +205,7 @@ def _participant(
 
 
 def _answers(sql: sqlite3.Connection, participant: int) -> dict[int, Answer]:
-    query = "SELECT place, response, ratings, given FROM answers WHERE participant = ? ORDER BY id"
+    query = "SELECT place, response, ratings, given, response_ms FROM answers WHERE participant = ? ORDER BY id"
     rows: dict[int, list[_AnswerRow]] = {}
     for place, *row in sql.execute(query, (participant,)):
         rows.setdefault(place, []).append(_AnswerRow(*row))
@@ -174,30 +215,39 @@ def _answers(sql: sqlite3.Connection, participant: int) -> dict[int, Answer]:
 def _answer(changes: Sequence[_AnswerRow]) -> Answer:
     first, last = changes[0], changes[-1]
     return Answer(
-        last.response, json.loads(last.ratings), last.given, first.response, first.given, changes=len(changes) - 1
+        response=last.response,
+        ratings=json.loads(last.ratings),
+        given=last.given,
+        first=first.response,
+        first_given=first.given,
+        first_ms=first.response_ms,
+        changes=len(changes) - 1,
     )
 
 
 def _viewings(sql: sqlite3.Connection, participant: int) -> dict[int, Viewing]:
     query = (
-        "SELECT place, started, share, device, width, height, frames, dropped FROM plays WHERE participant = ?"
-        " ORDER BY started"
+        "SELECT place, started, share, device, width, height, frames, dropped, stalls, stalled_ms, play_ms"
+        " FROM plays WHERE participant = ? ORDER BY started"
     )
     plays: dict[int, list[_PlayRow]] = {}
     for place, *row in sql.execute(query, (participant,)):
         plays.setdefault(place, []).append(_PlayRow(*row))
-    shown = sql.execute("SELECT place, shown FROM views WHERE participant = ?", (participant,))
-    return {place: _viewing(first, plays.get(place, [])) for place, first in shown.fetchall()}
+    views = sql.execute("SELECT place, shown, opened FROM views WHERE participant = ?", (participant,))
+    return {place: _viewing(_ViewRow(*row), plays.get(place, [])) for place, *row in views.fetchall()}
 
 
-def _viewing(shown: float, plays: Sequence[_PlayRow]) -> Viewing:
+def _viewing(view: _ViewRow, plays: Sequence[_PlayRow]) -> Viewing:
     first = plays[0] if plays else None
+    full = next((play for play in plays if play.share >= WATCHED), max(plays, key=lambda play: play.share, default=None))
     return Viewing(
-        shown=shown,
+        shown=view.shown,
         started=first.started if first else None,
+        ended=view.opened,
         plays=len(plays),
         share=max((play.share for play in plays), default=0.0),
         screen=Screen(first.device, first.width, first.height) if first else None,
         frames=sum(play.frames for play in plays),
         dropped=sum(play.dropped for play in plays),
+        watched=full.playback if full else Playback(),
     )

@@ -31,6 +31,9 @@ CREATE TABLE IF NOT EXISTS plays (
   height INTEGER NOT NULL,
   frames INTEGER NOT NULL DEFAULT 0,
   dropped INTEGER NOT NULL DEFAULT 0,
+  stalls INTEGER NOT NULL DEFAULT 0,     -- times that it stood still, waiting for data
+  stalled_ms INTEGER NOT NULL DEFAULT 0,
+  play_ms INTEGER NOT NULL DEFAULT 0,    -- from the first frame to the last one, without pauses
   PRIMARY KEY (participant, place, play)
 ) STRICT;
 CREATE TABLE IF NOT EXISTS answers (                   -- one row for each change; the last one counts
@@ -39,7 +42,8 @@ CREATE TABLE IF NOT EXISTS answers (                   -- one row for each chang
   place INTEGER NOT NULL,
   response TEXT NOT NULL,
   ratings TEXT NOT NULL,                 -- as JSON
-  given REAL NOT NULL
+  given REAL NOT NULL,
+  response_ms INTEGER                    -- as the browser measured it
 ) STRICT;
 CREATE INDEX IF NOT EXISTS answers_of ON answers (participant, place);
 CREATE TABLE IF NOT EXISTS withdrawn (digest TEXT PRIMARY KEY) STRICT;

@@ -8,12 +8,15 @@ from flask import Flask
 from waitress.server import MultiSocketServer, TcpWSGIServer, create_server
 
 from emovid.errors import EmovidError, InputError, reason
-from emovid.survey.app import MAX_BYTES, create_app
+from emovid.survey.app import create_app
 from emovid.survey.store import open_survey
 
 _THREADS = 8  # most requests wait for the disk
+_PATIENCE = 0.5  # seconds that a page waits for the write lock before it asks the browser to send again
+_MAX_BODY = 16 * 1024 * 1024  # bytes; the application refuses smaller ones in the study's words
 _MAX_HEADER = 16 * 1024  # bytes
-_MAX_CONNECTIONS = 1000  # 200 participants with up to six connections each, not all at once
+_MAX_CONNECTIONS = 4000  # 200 participants with up to six connections each, beside many that are slow or idle
+_IDLE = 20  # seconds after which a connection without traffic is closed
 
 
 def serve(
@@ -34,7 +37,7 @@ def serve(
         InputError: as `open_survey`.
         EmovidError: if the port is not available.
     """
-    kit, store = open_survey(path, pilot=pilot, create=True)
+    kit, store = open_survey(path, pilot=pilot, create=True, patience=_PATIENCE)
     logging.getLogger("waitress.queue").setLevel(logging.ERROR)  # requests that wait for a thread are normal
     try:
         server = _server(create_app(kit, store, https=https, release=release), host, port)
@@ -56,9 +59,10 @@ def _server(app: Flask, host: str, port: int) -> MultiSocketServer | TcpWSGIServ
             port=port,
             threads=_THREADS,
             connection_limit=_MAX_CONNECTIONS,
-            max_request_body_size=MAX_BYTES,
+            max_request_body_size=_MAX_BODY,
             max_request_header_size=_MAX_HEADER,
-            channel_timeout=60,
+            channel_timeout=_IDLE,
+            cleanup_interval=5,
             asyncore_use_poll=True,  # select() fails at the 1024th open file, be it connection or video
             ident="emovid",
             clear_untrusted_proxy_headers=True,

@@ -91,6 +91,11 @@ def form_token() -> str:
     return codes.form_token(survey().store.secret, g.code)
 
 
+def has_cookie() -> bool:
+    """Return whether the browser sent the survey's cookie."""
+    return survey().cookie in request.cookies
+
+
 def has_form_token() -> bool:
     """Return whether the request has the right token, in a field or in a header."""
     given = request.headers.get(FORM_HEADER) or request.form.get(FORM_FIELD, "")

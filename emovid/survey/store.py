@@ -4,6 +4,8 @@ import json
 import sqlite3
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import astuple
+from enum import IntEnum
 from pathlib import Path
 
 from emovid.errors import InputError
@@ -12,6 +14,7 @@ from emovid.survey.database import Database
 from emovid.survey.records import (
     Order,
     Participant,
+    Playback,
     Screen,
     Viewing,
     all_participants,
@@ -21,7 +24,16 @@ from emovid.survey.records import (
 )
 from emovid.survey.rules import Play, may_answer, next_row
 
+_PATIENCE = 30.0  # seconds that a command waits while another program holds the write lock
 _MAX_PLAYS = 500  # recorded per video and participant; more would only fill the disk
+
+
+class Withdrawal(IntEnum):
+    """Outcome of a withdrawal."""
+
+    UNKNOWN = 0  # no participant has the code
+    DELETED = 1  # neither the file nor its log holds anything of the participant
+    PENDING = 2  # deleted, but another program reads the file and keeps its log
 
 
 class Store:
@@ -30,16 +42,19 @@ class Store:
     Args:
         path: file of the database, created if missing.
         commitment: commitment to the key of the kit, which identifies the kit.
-        clock: returns the seconds since 1970.
+        clock: returns the seconds since 1970; by default one that never goes back.
+        patience: seconds to wait while another program holds the write lock.
 
     Raises:
         InputError, EmovidError: as `Database`.
     """
 
-    def __init__(self, path: Path, commitment: str, clock: Callable[[], float] = time.time) -> None:
-        self.clock = clock
-        self._data = Database(path, commitment)
+    def __init__(
+        self, path: Path, commitment: str, clock: Callable[[], float] | None = None, *, patience: float = _PATIENCE
+    ) -> None:
+        self._data = Database(path, commitment, patience)
         self.secret = self._data.secret
+        self.clock = clock or self._steady_clock()
 
     def close(self) -> None:
         """Close the database."""
@@ -125,7 +140,7 @@ class Store:
             return plays_of(sql, participant, place).get(play)
 
     def end_play(
-        self, participant: int, place: int, play: str, share: float, frames: tuple[int, int], duration: float
+        self, participant: int, place: int, play: str, share: float, playback: Playback, duration: float
     ) -> bool:
         """Record the share of a video that a playback has shown; return whether the video may now be answered.
 
@@ -134,15 +149,16 @@ class Store:
             place: place of the video.
             play: name of the playback.
             share: credited share, see `rules.credited`.
-            frames: number of frames shown, and of frames dropped.
+            playback: what the browser counted and measured.
             duration: length of the video [s].
         """
         now = self.clock()
         with self._data.writing() as sql:
             sql.execute(
-                "UPDATE plays SET share = max(share, ?), frames = max(frames, ?), dropped = max(dropped, ?)"
+                "UPDATE plays SET share = max(share, ?), frames = max(frames, ?), dropped = max(dropped, ?),"
+                " stalls = max(stalls, ?), stalled_ms = max(stalled_ms, ?), play_ms = max(play_ms, ?)"
                 " WHERE participant = ? AND place = ? AND play = ?",
-                (share, *frames, participant, place, play),
+                (share, *astuple(playback), participant, place, play),
             )
             if may_answer(plays_of(sql, participant, place).values(), now, duration):
                 sql.execute(
@@ -151,10 +167,13 @@ class Store:
                 )
             return place in opened_by(sql, participant)
 
-    def answer(self, participant: int, place: int, response: str, ratings: Mapping[str, int]) -> bool:
+    def answer(
+        self, participant: int, place: int, response: str, ratings: Mapping[str, int], response_ms: int | None = None
+    ) -> bool:
         """Record an answer, unless it repeats the last one; return whether it counts now.
 
-        It does not count after the submission, before the video was watched, and after a withdrawal.
+        It does not count after the submission, before the video was watched, and after a withdrawal. The browser's
+        response time [ms] is dropped where it is longer than the time since the video's page was first shown.
         """
         now, answer = self.clock(), (response, json.dumps(dict(ratings)))
         with self._data.writing() as sql:
@@ -167,8 +186,10 @@ class Store:
             ).fetchone()
             if last != answer:
                 sql.execute(
-                    "INSERT INTO answers (participant, place, response, ratings, given) VALUES (?, ?, ?, ?, ?)",
-                    (participant, place, *answer, now),
+                    "INSERT INTO answers (participant, place, response, ratings, given, response_ms)"
+                    " SELECT ?1, ?2, ?3, ?4, ?5, CASE WHEN ?6 <= 1000 * (?5 - shown) + 1000 THEN ?6 END FROM views"
+                    " WHERE participant = ?1 AND place = ?2",
+                    (participant, place, *answer, now, response_ms),
                 )
             _mark_seen(sql, participant, now)
             return True
@@ -184,13 +205,14 @@ class Store:
             submitted = "SELECT 1 FROM participants WHERE id = ? AND submitted NOTNULL"
             return sql.execute(submitted, (participant,)).fetchone() is not None
 
-    def withdraw(self, digest: str) -> bool:
-        """Delete a participant from the file and its log; return whether the code belongs to one, now or before."""
+    def withdraw(self, digest: str) -> Withdrawal:
+        """Delete a participant from the file and its log; a repetition completes what another program has kept."""
         with self._data.writing() as sql:
             if sql.execute("DELETE FROM participants WHERE digest = ?", (digest,)).rowcount:
                 sql.execute("INSERT OR IGNORE INTO withdrawn VALUES (?)", (digest,))
-        self._data.checkpoint()
-        return self.has_withdrawn(digest)
+            elif not sql.execute("SELECT 1 FROM withdrawn WHERE digest = ?", (digest,)).fetchone():
+                return Withdrawal.UNKNOWN
+        return Withdrawal.DELETED if self._data.checkpoint() else Withdrawal.PENDING
 
     def has_withdrawn(self, digest: str) -> bool:
         """Return whether the participant with a code of this digest has withdrawn."""
@@ -202,6 +224,15 @@ class Store:
         with self._data.reading() as sql:
             return int(sql.execute("SELECT count(*) FROM withdrawn").fetchone()[0])
 
+    def _steady_clock(self) -> Callable[[], float]:
+        """Return a clock that starts at the system's time, not before the last record, and only moves forward."""
+        with self._data.reading() as sql:
+            (latest,) = sql.execute("SELECT max(seen) FROM participants").fetchone()
+        # Unlike CLOCK_MONOTONIC, CLOCK_BOOTTIME counts the time for which a computer sleeps.
+        which = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
+        offset = max(time.time(), latest or 0.0) - time.clock_gettime(which)
+        return lambda: time.clock_gettime(which) + offset
+
 
 def _mark_seen(sql: sqlite3.Connection, participant: int, now: float) -> None:
     sql.execute("UPDATE participants SET seen = ? WHERE id = ?", (now, participant))
@@ -212,13 +243,16 @@ def database_of(path: Path, *, pilot: bool) -> Path:
     return KitFolder(path).answers / ("pilot.sqlite" if pilot else "answers.sqlite")
 
 
-def open_survey(path: Path, *, pilot: bool, create: bool = False) -> tuple[Kit, Store]:
+def open_survey(
+    path: Path, *, pilot: bool, create: bool = False, patience: float = _PATIENCE
+) -> tuple[Kit, Store]:
     """Return a kit, without its private folder, and the store of the answers to it.
 
     Args:
         path: folder of the kit.
         pilot: whether to open the answers of the pilot.
         create: whether to create a missing store.
+        patience: seconds to wait while another program holds the write lock.
 
     Raises:
         InputError: if the folder is not a finished kit, the kit has no orders, its videos are not those of its
@@ -231,7 +265,7 @@ def open_survey(path: Path, *, pilot: bool, create: bool = False) -> tuple[Kit, 
         _check_complete(kit)
     elif not file.is_file():
         raise InputError(f"{file}: no such file; expected answers: emovid study serve{' --pilot' * pilot} records them")
-    return kit, Store(file, kit.manifest.key_commitment)
+    return kit, Store(file, kit.manifest.key_commitment, patience=patience)
 
 
 def _check_complete(kit: Kit) -> None:

@@ -1,62 +1,100 @@
 "use strict";
-/* What pages cannot do alone: the player, which tells the server how much of a video was seen, and forms that are sent
-   until there is a reply. Nothing is decided here: the server believes no more than its own clock allows. */
+/* Forms that are sent until there is a reply, a warning before unsent text is lost, and videos fetched ahead.
+   Nothing is decided here: the server checks everything. */
 
-const said = document.body.dataset;
-const node = (id) => document.getElementById(id);
+const byId = (id) => document.getElementById(id);
+const words = () => document.body.dataset; // texts of the study for messages of this script
 const pause = (seconds) => new Promise((done) => { setTimeout(done, 1000 * seconds); });
+let unsent = false; // text that was typed and not yet sent
 
-/** Send until there is a reply: a lost connection, or a server that starts again, is waited for. */
-async function send(url, options, offline) {
+/** Send until there is a reply: wait for a lost connection, a server that restarts, and a locked database. */
+async function send(url, options, say) {
   for (let wait = 0.5; ; wait = Math.min(2 * wait, 8)) {
+    let message = words().offline;
     try {
       const reply = await fetch(url, { method: "POST", credentials: "same-origin", ...options });
-      if (reply.status < 502) return reply; // 502 to 504: a proxy is there, and we are not
+      if (reply.status < 502) return reply; // 502 to 504: a proxy without the survey behind it, or a locked database
+      if (reply.headers.get("X-Survey") === "busy") message = words().busy;
     } catch { /* no connection */ }
-    offline();
+    say(message);
     await pause(wait);
   }
 }
 
-/** Show the reply's own page in place of this one's: a message, or a form that something is missing in. */
-async function show(reply) {
-  const page = new DOMParser().parseFromString(await reply.text(), "text/html");
-  document.body.replaceChildren(...page.body.childNodes);
-  document.title = page.title;
-  node("main").focus();
+function parse(text) {
+  return new DOMParser().parseFromString(text, "text/html");
 }
 
-/** Return whether every slider was moved: where nobody put it, it says nothing. */
+/** Show a page of the server in place of the current one. */
+function show(page) {
+  unsent = false;
+  document.body.replaceChildren(...page.body.childNodes);
+  document.title = page.title;
+  activate();
+  byId("main").focus();
+}
+
+/** Go to another page of the survey. */
+function go(url) {
+  unsent = false;
+  window.location.assign(url);
+}
+
+/** Return whether every slider was moved; one that was not moved has no value. */
 function complete(form) {
   const untouched = form.querySelector(".untouched");
-  if (node("missing")) node("missing").hidden = !untouched;
+  if (byId("missing")) byId("missing").hidden = !untouched;
   untouched?.focus();
   return !untouched;
 }
 
-for (const form of document.forms) {
+function activateForm(form) {
   let sending = false; // a second press sends nothing
+  const opened = performance.now();
+  const say = (text) => { if (byId("state")) byId("state").textContent = text; };
   form.addEventListener("submit", async (event) => {
     event.preventDefault();
     if (sending || !complete(form)) return;
     sending = true;
     const body = new URLSearchParams(new FormData(form));
     if (event.submitter?.name) body.append(event.submitter.name, event.submitter.value);
-    const offline = () => { if (node("state")) node("state").textContent = said.offline; };
-    const reply = await send(form.getAttribute("action"), { body }, offline); // form.action may be a question's name
-    if (reply.redirected) window.location.assign(reply.url);
-    else show(reply);
+    if (form.id === "answer") body.append("response-ms", Math.round(performance.now() - (Number(form.dataset.opened) || opened)));
+    const reply = await send(form.getAttribute("action"), { body }, say); // form.action may be a question's name
+    if (reply.redirected) return go(reply.url);
+    const page = parse(await reply.text());
+    if (reply.status !== 413 && reply.status < 500) return show(page);
+    say(page.querySelector("main p")?.textContent ?? ""); // the form stays as it is, to be sent again
+    sending = false;
   });
 }
 
-for (const slider of document.querySelectorAll("input[type=range]")) {
+function activateSlider(slider) {
   for (const name of ["input", "pointerup", "keyup"]) {
     slider.addEventListener(name, (event) => {
       if (event.key === "Tab" || event.key === "Shift") return;
       slider.name = slider.dataset.name || slider.name;
       slider.classList.remove("untouched");
-      if (node("missing")) node("missing").hidden = true;
+      if (byId("missing")) byId("missing").hidden = true;
     });
+  }
+}
+
+/** Fill in a code that follows # in the address: /resume#CODE. No server ever receives that part. */
+function activateCode() {
+  if (byId("code") && window.location.hash) {
+    byId("code").value = window.location.hash.slice(1);
+    window.history.replaceState(null, "", window.location.pathname);
+  }
+  if (byId("own-code")) byId("own-code").title = byId("own-code").href;
+}
+
+/** Fetch the participant's next videos into the browser's cache, one after the other. */
+async function fetchAhead() {
+  for (const url of JSON.parse(byId("ahead")?.dataset.videos ?? "[]")) {
+    try {
+      const reply = await fetch(url, { credentials: "same-origin", priority: "low" });
+      await reply.blob();
+    } catch { return; } // the page of the video loads it itself, and says so
   }
 }
 
@@ -65,89 +103,18 @@ function device() {
   return Math.min(window.screen.width, window.screen.height) < 600 ? "phone" : "tablet";
 }
 
-/** The player: a button, and reports of each play. A play goes from the beginning to the end, with pauses. */
-function watch(player) {
-  const [video, button, note] = [player.querySelector("video"), node("play"), node("note")];
-  const headers = { "Content-Type": "application/json", "X-Form-Token": player.dataset.token };
-  let [play, watched, last, tick, before] = ["", 0, 0, 0, { total: 0, dropped: 0 }];
-  let line = Promise.resolve(); // reports go one after the other
-
-  const quality = () => {
-    const counts = video.getVideoPlaybackQuality?.();
-    return { total: counts?.totalVideoFrames ?? 0, dropped: counts?.droppedVideoFrames ?? 0 };
-  };
-  const say = (text) => { if (note.textContent !== text) note.textContent = text; };
-  const report = (url, facts) => {
-    const body = JSON.stringify({ play, ...facts });
-    line = line.then(() => send(url, { body, headers, keepalive: true }, () => say(said.offline)));
-    return line;
-  };
-  const seen = () => {
-    const now = quality();
-    const share = video.duration ? Math.min(watched / video.duration, 1) : 0;
-    return { play, share, frames: now.total - before.total, dropped: now.dropped - before.dropped };
-  };
-  const open = () => {
-    node("gate").disabled = node("submit").disabled = false;
-    player.dataset.opened = "";
-    say(note.dataset.choose);
-  };
-  const label = () => {
-    const name = video.ended || (video.paused && !play && "opened" in player.dataset) ? "again" : "play";
-    button.textContent = button.dataset[video.paused || video.ended ? name : "pause"];
-  };
-
-  const begin = () => {
-    play = [...crypto.getRandomValues(new Uint8Array(8))].map((byte) => byte.toString(16).padStart(2, "0")).join("");
-    [watched, last, before] = [0, 0, quality()];
-    video.currentTime = 0;
-    report(player.dataset.play, { device: device(), width: video.clientWidth, height: video.clientHeight });
-  };
-  const advance = () => {
-    const [step, now] = [video.currentTime - last, performance.now()];
-    if (step > 0 && step <= (now - tick) / 1000 + 0.3 && !document.hidden) watched += step; // no faster than the clock
-    [last, tick] = [video.currentTime, now];
-  };
-  const finish = async () => {
-    const facts = seen();
-    for (;;) {
-      const reply = await report(player.dataset.watched, facts);
-      if (!reply.ok) return window.location.reload(); // withdrawn or submitted in another tab: the server knows where to
-      const answer = await reply.json();
-      if (answer.open) return open();
-      if (!answer.wait) return say(note.dataset.first);
-      say(said.wait);
-      await pause(answer.wait + 0.05);
-    }
-  };
-
-  button.addEventListener("click", () => {
-    if (!video.paused && !video.ended) return video.pause();
-    if (video.ended || !play) begin();
-    tick = performance.now();
-    video.play().catch(label);
-  });
-  video.addEventListener("timeupdate", () => video.seeking || advance());
-  video.addEventListener("seeking", () => {
-    if (Math.abs(video.currentTime - last) > 0.5) video.currentTime = last; // neither ahead nor back
-  });
-  video.addEventListener("ratechange", () => { if (video.playbackRate !== 1) video.playbackRate = 1; });
-  video.addEventListener("contextmenu", (event) => event.preventDefault());
-  video.addEventListener("error", () => say(said.loadError));
-  for (const name of ["play", "pause", "ended"]) video.addEventListener(name, label);
-  video.addEventListener("ended", () => { advance(); finish(); });
-  document.addEventListener("visibilitychange", () => {
-    if (!document.hidden || !play || video.ended) return;
-    video.pause(); // what is not seen is not watched
-    report(player.dataset.watched, seen());
-  });
-  button.disabled = false;
+/** Set up the elements of the page that is shown. */
+function activate() {
+  for (const form of document.forms) activateForm(form);
+  for (const slider of document.querySelectorAll("input[type=range]")) activateSlider(slider);
+  activateCode();
+  if (byId("player")) activatePlayer(byId("player")); // fetches ahead once its own video is loaded
+  else fetchAhead();
 }
 
-if (node("player")) watch(node("player"));
-if (node("code") && window.location.hash) { // an own address, /resume#CODE: what follows # was never sent
-  node("code").value = window.location.hash.slice(1);
-  window.history.replaceState(null, "", window.location.pathname);
-}
-if (node("own-code")) node("own-code").title = node("own-code").href;
+document.addEventListener("input", (event) => {
+  if (event.target.matches("textarea, input[type=text]:not(#code), input[type=number]")) unsent = true;
+});
+window.addEventListener("beforeunload", (event) => { if (unsent) event.preventDefault(); });
 window.addEventListener("pageshow", (event) => { if (event.persisted) window.location.reload(); }); // as the server has it
+document.addEventListener("DOMContentLoaded", activate);
