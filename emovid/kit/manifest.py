@@ -11,7 +11,8 @@ from pydantic import Field, PositiveFloat, PositiveInt, ValidationError
 from emovid.atomic_io import file_digest
 from emovid.errors import InputError, reason
 from emovid.kit.orders import Scheme
-from emovid.kit.study import Consent, Ethics, Question, Rating, Study, Texts, Thanks
+from emovid.kit.study import Consent, Ethics, Question, Rating, Study, Thanks
+from emovid.kit.texts import Texts, in_language
 from emovid.scene.fields import Keys
 from emovid.scene.validation_messages import source_error
 
@@ -116,10 +117,10 @@ def manifest_of(study: Study, videos: Sequence[Path], participants: int, shown: 
         choices=Choices(order=study.choices, labels=labels),
         ratings=tuple(NamedRating(name=name, **dict(rating)) for name, rating in study.ratings.asked.items()),
         demographics=study.demographics,
-        consent=study.consent,
+        consent=in_language(study.consent, study.language),
         instructions=study.instructions,
         thanks=study.thanks,
-        texts=study.texts,
+        texts=in_language(study.texts, study.language),
         ethics=study.ethics,
         order_scheme=study.orders.scheme,
         participants=participants,

@@ -1,14 +1,13 @@
 """The keys of study.yaml, and the rules between them."""
 
-import re
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, Field, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import Field, model_validator
 
 from emovid.errors import SourceError
 from emovid.kit.orders import Scheme
+from emovid.kit.texts import Language, Link, Name, Text, TextList, Texts
 from emovid.responses.dialects.own import FIRST, RECORDED
 from emovid.responses.labels import NONE, Labels, plain
 from emovid.scene.fields import MAX_DURATION, Keys, inconsistent
@@ -23,27 +22,6 @@ _PAGES = ("consent", "instructions", "end")  # questions of exported surveys
 _TAKEN = dict.fromkeys(_COLUMNS, "is a column of the data") | dict.fromkeys(_PAGES, "is a page of the survey")
 
 SceneKeys = dict[str, Any]
-
-
-def _spelled(pattern: str, words: str) -> AfterValidator:
-    """Return a check that a text matches a pattern; `words` describe the pattern in the message."""
-
-    def check(text: str) -> str:
-        if not re.fullmatch(pattern, text):
-            raise PydanticCustomError("spelling", "{words}", {"words": words})
-        return text
-
-    return AfterValidator(check)
-
-
-Text = Annotated[str, Field(min_length=1, max_length=20_000)]
-TextList = Annotated[tuple[Text, ...], Field(strict=False)]
-Name = Annotated[
-    str,
-    _spelled("[a-z][a-z0-9_]{0,19}", "at most 20 lowercase letters, digits and underscores, beginning with a letter"),
-]
-Language = Annotated[str, _spelled("[a-z]{2,3}(-[A-Za-z0-9]{2,8})*", "a language code such as en or pt-BR")]
-Link = Annotated[str, _spelled(r"https?://\S+", "an address such as https://example.org")]
 
 
 class Question(Keys):
@@ -98,57 +76,6 @@ class Ratings(Keys):
     def asked(self) -> dict[str, Rating]:
         """The sliders of the study by name."""
         return {name: rating for name, rating in self if rating is not None}
-
-
-class Texts(Keys):
-    """The words of the pages, for translation."""
-
-    next: Text = Field("Continue", description="button to the next page")
-    submit: Text = Field("Submit answer", description="button that ends a video's page")
-    play: Text = Field("Play the video", description="button")
-    again: Text = Field("Watch again", description="button")
-    watch_first: Text = Field("Watch the video to its end; then choose.", description="under the video, at first")
-    choose: Text = Field("You can watch it again as often as you like.", description="under the video, when watched")
-    progress: Text = Field("Progress", description="beside the bar on top")
-    loading: Text = Field("The videos are being loaded.", description="before the first page")
-    load_error: Text = Field("The videos could not be loaded. Please reload this page.")
-    about_you: Text = Field("About you", description="above the questions about the participant")
-    optional: Text = Field("(optional)", description="after a question that may be left out")
-    save: Text = Field("Save the answers", description="button at the end, where no server keeps them")
-    code: Text = Field("Your completion code:", description="before the code")
-    back: Text = Field("Return to the recruitment service", description="of the link at the end")
-    # Of the survey that emovid serves, besides most of the above.
-    place: Text = Field("Video {place} of {count}", description="heading of a video's page")
-    skip: Text = Field("Skip to the content", description="link that the keyboard meets first")
-    pause: Text = Field("Pause", description="button, while a video plays")
-    earlier: Text = Field("Back", description="link to the page before")
-    motion: Text = Field(
-        "The videos show many small shapes that move, some of them fast. If this makes you feel unwell, pause the "
-        "video or stop.",
-        description="notice of motion, before the first video",
-    )
-    keep_code: Text = Field(
-        "Keep this code to continue later or on another device, or to have your answers deleted:",
-        description="before the participant's own code",
-    )
-    resume: Text = Field("Continue with your code", description="link and heading")
-    your_code: Text = Field("Your code", description="of the field for it")
-    unknown_code: Text = Field("This code is not known. Please check it.")
-    missing: Text = Field("Please answer this question.", description="at a question without an answer")
-    review: Text = Field("Your answers", description="heading, after the last video")
-    review_text: Text = Field("You can change your answers until you submit them.", description="under it")
-    change: Text = Field("Change", description="link to a video's page, from there")
-    finish: Text = Field("Submit all answers", description="button that ends the survey")
-    withdraw: Text = Field("Delete my answers", description="link, heading and button")
-    withdraw_text: Text = Field("All that was recorded of you will be deleted. This cannot be undone.")
-    withdrawn: Text = Field("Your answers were deleted. You may close this window.")
-    another: Text = Field("Start for another person", description="button, where several share a computer")
-    wait: Text = Field("One moment.", description="while the server is asked")
-    offline: Text = Field("No connection to the survey. Trying again.")
-    no_script: Text = Field("This page needs JavaScript to show the video. Please turn it on and reload the page.")
-    out_of_date: Text = Field("This page was out of date; what it sent was not recorded. Please go on from here.")
-    not_found: Text = Field("There is no such page.")
-    failed: Text = Field("Something went wrong. All answers submitted before are kept. Please try again.")
 
 
 class StimulusKeys(Keys):

@@ -131,9 +131,7 @@ class Database:
         return DatabaseBusyError(f"{self._path}: locked by another program; close that program and try again")
 
     def _connect(self) -> sqlite3.Connection:
-        connection = sqlite3.connect(
-            self._path, timeout=self._patience, isolation_level=None, check_same_thread=False
-        )
+        connection = sqlite3.connect(self._path, timeout=self._patience, isolation_level=None, check_same_thread=False)
         self._open.append(connection)
         return connection
 

@@ -62,7 +62,7 @@ def instructions() -> Reply:
     """Show the instructions and the notice of motion."""
     person = _allowed(Step(Page.INSTRUCTIONS))
     back = _back(Step(Page.INSTRUCTIONS), person)
-    return render_template("instructions.html", back=back, ahead=_videos_ahead(person, 1))
+    return render_template("instructions.html", back=back, ahead=person.videos)
 
 
 @pages.post("/instructions")
@@ -168,13 +168,8 @@ def _about_page(person: Participant, about: Mapping[str, str], missing: Collecti
         answers=about,
         missing=missing,
         max_characters=MAX_CHARACTERS,
-        ahead=_videos_ahead(person, 1),
+        ahead=person.videos,
     )
-
-
-def _videos_ahead(person: Participant, place: int) -> list[str]:
-    """Return the addresses of a participant's videos from a place on, which the browser fetches ahead."""
-    return [url_for("player.media", name=code) for code in person.videos[place - 1 :]]
 
 
 def _video_page(
@@ -193,7 +188,7 @@ def _video_page(
         missing=missing,
         opened=place in person.opened,
         back=_back(Step(Page.VIDEO, place), person),
-        ahead=_videos_ahead(person, place + 1),
+        ahead=person.videos[place:],
     )
 
 

@@ -239,7 +239,9 @@ def _viewings(sql: sqlite3.Connection, participant: int) -> dict[int, Viewing]:
 
 def _viewing(view: _ViewRow, plays: Sequence[_PlayRow]) -> Viewing:
     first = plays[0] if plays else None
-    full = next((play for play in plays if play.share >= WATCHED), max(plays, key=lambda play: play.share, default=None))
+    full = next(
+        (play for play in plays if play.share >= WATCHED), max(plays, key=lambda play: play.share, default=None)
+    )
     return Viewing(
         shown=view.shown,
         started=first.started if first else None,

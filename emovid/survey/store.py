@@ -243,9 +243,7 @@ def database_of(path: Path, *, pilot: bool) -> Path:
     return KitFolder(path).answers / ("pilot.sqlite" if pilot else "answers.sqlite")
 
 
-def open_survey(
-    path: Path, *, pilot: bool, create: bool = False, patience: float = _PATIENCE
-) -> tuple[Kit, Store]:
+def open_survey(path: Path, *, pilot: bool, create: bool = False, patience: float = _PATIENCE) -> tuple[Kit, Store]:
     """Return a kit, without its private folder, and the store of the answers to it.
 
     Args:

@@ -2,11 +2,13 @@ import re
 from pathlib import Path
 
 import pytest
+import yaml
 from pydantic import BaseModel
 
 from emovid.errors import EmovidError
 from emovid.kit.load import load_study
 from emovid.kit.study import Study
+from emovid.kit.texts import Texts
 from emovid.yaml_source import read_yaml
 from tests.helpers.tiny import STUDY, write_study
 
@@ -67,7 +69,11 @@ def test_every_key_is_in_the_example_with_a_comment() -> None:
     text = (EXAMPLE / "study.yaml").read_text()
     _, places = read_yaml(text, "study.yaml")
     given = {".".join(map(str, path)) for path in places}
-    assert keys_of(Study) <= given
+    texts = {key for key in keys_of(Study) if key.startswith("texts.")}
+    assert keys_of(Study) - texts <= given
+    commented = "\n".join(line[4:] for line in text.splitlines() if line.startswith("#   "))
+    words = {name: field.default for name, field in Texts.model_fields.items()}
+    assert yaml.safe_load(commented[commented.index("next: Continue") :]) == words  # of the language en
     repeated = {"stimuli.0.scene", "demographics.0.name", "demographics.0.question", "demographics.0.choices"}
     assert repeated | {"demographics.0.required"} <= given
     for key in ("video:", "emotion:", "set:", "steps:", "choices: null"):  # of what is there in other forms
@@ -75,7 +81,6 @@ def test_every_key_is_in_the_example_with_a_comment() -> None:
 
 
 def test_values_left_out_are_those_of_the_example() -> None:
-    # Of texts that the example repeats so that they can be translated, both must say the same.
     study = load_study(EXAMPLE).study
     for group in ("texts", "vary", "video", "orders", "plan", "ratings", "ethics"):
         assert getattr(study, group) == type(getattr(study, group))()

@@ -46,7 +46,7 @@ def test_from_consent_to_thanks_every_answer_is_in_the_export_with_its_events(vi
         assert (row["plays"], row["watched_share"], row["changes"]) == ("1", "1.000", "0")
         assert (row["device"], row["width"], row["height"]) == ("phone", "343", "193")
         assert (row["frames"], row["dropped_frames"], row["consent_version"]) == ("10", "1", "1")
-    assert [row["answer_seconds"] for row in found] == [f"{n}.0" for n in range(1, 7)]
+    assert [row["answer_seconds"] for row in found] == [f"{n}.000" for n in range(1, 7)]
 
 
 def test_videos_come_one_at_a_time_in_the_row_s_order_with_the_row_s_choices(visitor, opened) -> None:

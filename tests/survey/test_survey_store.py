@@ -9,7 +9,7 @@ import pytest
 
 from emovid.errors import InputError
 from emovid.survey.codes import digest
-from emovid.survey.records import Participant, Screen
+from emovid.survey.records import Participant, Playback, Screen
 from emovid.survey.rules import Play
 from emovid.survey.store import Store
 
@@ -29,7 +29,7 @@ def watched(store: Store, person: Participant, place: int) -> bool:
     store.show(person.id, place)
     store.start_play(person.id, place, f"play{place}", SCREEN)
     store.clock.now += 2
-    return store.end_play(person.id, place, f"play{place}", 1.0, (20, 0), 2.0)
+    return store.end_play(person.id, place, f"play{place}", 1.0, Playback(20), 2.0)
 
 
 @pytest.fixture
@@ -110,7 +110,7 @@ def test_a_play_that_is_reported_twice_is_one_and_a_clock_put_back_makes_nobody_
     small.start_play(person.id, 1, "two", SCREEN)
     assert small.play(person.id, 1, "one") == Play(small.clock.now, 0.0)
     small.clock.now += 2
-    assert small.end_play(person.id, 1, "two", 1.0, (60, 2), 2.0)
+    assert small.end_play(person.id, 1, "two", 1.0, Playback(60, 2), 2.0)
     ((_, viewings),) = small.participants()
     assert (viewings[1].plays, viewings[1].frames, viewings[1].dropped, viewings[1].screen) == (2, 60, 2, SCREEN)
 
@@ -119,7 +119,7 @@ def test_the_gate_stays_open_once_it_was(small) -> None:
     person = enrolled(small)
     assert watched(small, person, 1)
     small.start_play(person.id, 1, "again", SCREEN)
-    assert small.end_play(person.id, 1, "again", 0.1, (0, 0), 2.0)
+    assert small.end_play(person.id, 1, "again", 0.1, Playback(), 2.0)
     assert small.find(digest("code")).opened == {1}
 
 
@@ -215,14 +215,14 @@ def test_a_file_that_is_not_this_kit_s_is_refused_and_left_alone(what, tmp_path)
 KILLED = """
 import itertools, sys
 from pathlib import Path
-from emovid.survey.records import Screen
+from emovid.survey.records import Playback, Screen
 from emovid.survey.store import Store
 store = Store(Path(sys.argv[1]), "commitment")
 store.enroll("digest", {"P001": ("vvv",)}, {"P001": ("fear",)}, "1", 60.0)
 person = store.find("digest").id
 store.show(person, 1)
 store.start_play(person, 1, "one", Screen("phone", 1, 1))
-store.end_play(person, 1, "one", 1.0, (0, 0), 1e-9)
+store.end_play(person, 1, "one", 1.0, Playback(), 1e-9)
 for number in itertools.count():
     assert store.answer(person, 1, f"answer {number}", {})
     print(number, flush=True)

@@ -9,7 +9,8 @@ FIRST = ("participant", "video", "position", "response")
 RECORDED = (
     "first_response", "changes", "confidence", "valence", "arousal", "choices", "plays", "watched_share",
     "shown_seconds", "played_seconds", "first_answer_seconds", "answer_seconds", "width", "height", "frames",
-    "dropped_frames", "device", "order_row", "consent_version", "status", "mode",
+    "dropped_frames", "ended_seconds", "stalls", "stalled_ms", "play_ms", "response_ms", "device",
+    "order_row", "consent_version", "status", "mode",
 )  # fmt: skip
 
 

@@ -90,9 +90,10 @@ function activateCode() {
 
 /** Fetch the participant's next videos into the browser's cache, one after the other. */
 async function fetchAhead() {
-  for (const url of JSON.parse(byId("ahead")?.dataset.videos ?? "[]")) {
+  const { folder, codes } = byId("ahead")?.dataset ?? {};
+  for (const code of codes?.split(" ") ?? []) {
     try {
-      const reply = await fetch(url, { credentials: "same-origin", priority: "low" });
+      const reply = await fetch(`${folder}${code}.mp4`, { credentials: "same-origin", priority: "low" });
       await reply.blob();
     } catch { return; } // the page of the video loads it itself, and says so
   }
