@@ -8,10 +8,9 @@ from pathlib import Path
 from emovid.atomic_io import make_folder, whole_file
 from emovid.errors import InputError, nearest, reason
 from emovid.kit.exports import jspsych, limesurvey, psychopy, qualtrics
-from emovid.kit.exports.checklist import checklist
 from emovid.kit.exports.design import REVISION, DesignPart, Limits, Status, design_of
-from emovid.kit.exports.prereg import prereg
 from emovid.kit.exports.psych_ds import psych_ds
+from emovid.kit.exports.reporting import checklist, preregistration
 from emovid.kit.exports.texts import Files
 from emovid.kit.folder import TIME, Kit, write_text
 from emovid.kit.seeded_random import is_code
@@ -24,7 +23,7 @@ TOOLS: dict[str, Callable[[Kit, str, Responses | None], Files]] = {
     "qualtrics": lambda kit, video_url, _: qualtrics.qualtrics(kit, video_url),
     "limesurvey": lambda kit, video_url, _: limesurvey.limesurvey(kit, video_url),
     "psych-ds": lambda kit, _, responses: psych_ds(kit, responses),
-    "prereg": lambda kit, *_: prereg(kit),
+    "prereg": lambda kit, *_: preregistration(kit),
     "checklist": lambda kit, *_: checklist(kit),
 }
 _LIMITS: dict[str, Callable[[Kit], Limits]] = {

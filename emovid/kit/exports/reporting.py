@@ -1,133 +1,245 @@
-"""What a kit knows that a preregistration and a report must say, in sentences."""
+"""Drafts of a preregistration and of a reporting checklist, with the facts that a kit knows."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version
 
+from emovid.atomic_io import file_digest
 from emovid.errors import InputError
+from emovid.kit.exports.texts import Files, template
 from emovid.kit.folder import Kit
-from emovid.kit.orders import square_size
+from emovid.kit.manifest import Manifest
+from emovid.kit.orders import balance_of, sets_of, square_size
 from emovid.kit.study import Study
+from emovid.responses.labels import NONE
 from emovid.statistics.power import plan
 
 OPEN = "**TO DO**"
 
 
-@dataclass(frozen=True)
-class Facts:
-    """What is known of a study, as sentences in Markdown.
-
-    Attributes:
-        study: it was made from.
-        tests: how many Holm's method corrects for: one for each emotion, whatever the number of its videos.
-        participants: how many, and why so many.
-        stimuli: what was shown.
-        blinding: who knew what.
-        orders: who saw what in which order.
-        measures: what was asked.
-        exclusions: whose answers are left out.
-        ethics: under which approval.
-    """
-
-    study: Study
-    tests: int
-    participants: str
-    stimuli: str
-    blinding: str
-    orders: str
-    measures: str
-    exclusions: str
-    ethics: str
-
-
-def facts_of(kit: Kit) -> Facts:
-    """Return what a kit knows.
+def preregistration(kit: Kit) -> Files:
+    """Return drafts with the fields of the forms of OSF Preregistration and of AsPredicted.
 
     Raises:
-        InputError: for a kit without its private folder, where study and key are.
+        InputError: for a kit without its private folder.
     """
-    if kit.study is None:
+    facts = _facts(kit)
+    return {
+        "preregistration.md": template("preregistration.md", **facts),
+        "aspredicted.md": template("aspredicted.md", **facts),
+    }
+
+
+def checklist(kit: Kit) -> Files:
+    """Return a checklist by the topics of IEEE P3108 and JARS-Quant, ticked where the kit knows the answer.
+
+    Raises:
+        InputError: for a kit without its private folder.
+    """
+    facts = {name: text.replace("\n- ", "; ").removeprefix("- ") for name, text in _facts(kit).items()}
+    lines = template("checklist.md", **facts).split("\n")
+    marked = [f"- [{' ' if OPEN in line else 'x'}] {line[2:]}" if line.startswith("- **") else line for line in lines]
+    return {"checklist.md": "\n".join(marked)}
+
+
+def _facts(kit: Kit) -> Mapping[str, str]:
+    """Return sentences in Markdown by name, as the templates call them."""
+    study = kit.study
+    if study is None:
         raise InputError(f"{kit.folder.study}: no such file; expected the kit's private folder, with its study")
     if not kit.key:
         raise InputError(f"{kit.folder.key}: no such file; expected the kit's private folder, with its key")
-    tests = len(set(kit.key.values()))
-    return Facts(
-        study=kit.study,
-        tests=tests,
-        participants=_participants(kit, kit.study, tests),
-        stimuli=_stimuli(kit, kit.study),
-        blinding=_blinding(kit, kit.study),
-        orders=_orders(kit),
-        measures=_measures(kit),
-        exclusions="\n".join(f"- {rule}" for rule in kit.study.exclusions) or OPEN,
-        ethics=_ethics(kit.study),
+    emotions = [label for label in study.labels if label in kit.key.values()]
+    board, approval = study.ethics.board or OPEN, study.ethics.approval or OPEN
+    factors = " ".join(
+        f"Factor {name}: {OPEN}, direction and test of the difference between {_and(list(levels))}."
+        for name, levels in study.factors.items()
     )
+    return {
+        "open": OPEN,
+        "title": kit.manifest.title,
+        "version": version("emovid"),
+        "authors": ", ".join(kit.manifest.authors) or OPEN,
+        "hypotheses": "\n".join(f"{i}. {text}" for i, text in enumerate(study.hypotheses, start=1)) or OPEN,
+        "hypotheses_in_line": " ".join(study.hypotheses) or OPEN,
+        "factor_hypotheses": factors or "The study has no factors.",
+        "emotions": _and(emotions),
+        "tests": str(len(emotions)),
+        "alpha": f"{study.plan.alpha:g}",
+        "design": _design(kit, study, emotions),
+        "stimuli": _stimuli(kit, study),
+        "source": _source(study),
+        "exemplars": _exemplars(study),
+        "manipulated": _manipulated(study, emotions),
+        "blinding": _blinding(kit.manifest, study),
+        "orders": _orders(kit),
+        "measures": _measures(kit.manifest),
+        "sample": _sample(kit),
+        "rationale": _rationale(kit, study, len(emotions)),
+        "ratings": _ratings(kit.manifest),
+        "none": _none(kit.manifest),
+        "groups": _groups(kit.manifest),
+        "exclusions": "\n".join(f"- {rule}" for rule in study.exclusions) or OPEN,
+        "ethics": f"Approved by {board}, number {approval}. Consent text, version {study.consent.version}.",
+        "questions": ", ".join(item.name for item in kit.manifest.demographics) or "nothing",
+        "instructions": " ".join(kit.manifest.instructions.split()),
+        "manifest": file_digest(kit.folder.manifest),
+        "commitment": kit.manifest.key_commitment,
+    }
 
 
-def _participants(kit: Kit, study: Study, tests: int) -> str:
-    said = study.plan
-    found = plan(said.rate, len(study.answers), tests, said.alpha, said.power)
-    need = "more than can be planned" if found.n is None else str(found.n)
-    return (
-        f"{kit.manifest.participants} participants. For an emotion whose true hit rate is {said.rate:g}, with "
-        f"{len(study.answers)} answers (chance {found.chance:.4f}), a power of {said.power:g} at a level of "
-        f"{said.alpha:g} (the first step of Holm's correction: {found.alpha:.4g}) needs {need}: {found.n_binomial} for "
-        f"the exact binomial test against chance, {found.n_goodness} for Pearson's chi-squared goodness of fit "
-        f"(w = {found.w:.2f})."
-    )
+def _design(kit: Kit, study: Study, emotions: Sequence[str]) -> str:
+    """Return which factors vary within and which between participants."""
+    further = [f"factor {name} ({_and(list(levels))})" for name, levels in study.factors.items()]
+    if study.exemplars > 1:
+        further.append(f"exemplar ({study.exemplars})")
+    within = [f"emotion ({len(emotions)} levels: {_and(emotions)})"]
+    if len(sets_of(kit.orders.values())) == 1:
+        return f"Within participants: {_and(within + further)}. No factor varies between participants."
+    between = _and(further) or "the video of each emotion"
+    return f"Within participants: {within[0]}. Between participants: {between}."
 
 
 def _stimuli(kit: Kit, study: Study) -> str:
     first = kit.manifest.videos[0]
-    factors = "".join(f" Factor {name}: {', '.join(levels)}." for name, levels in study.factors.items())
     return (
-        f"{len(kit.manifest.videos)} videos, {study.exemplars} exemplar{'s' * (study.exemplars > 1)} of each of "
-        f"{len(study.stimuli)} scenes or recordings.{factors} Each lasts {first.duration:g} s, at {first.width}x"
-        f"{first.height} pixels and {first.fps} frames a second, without sound."
+        f"{_count(len(kit.manifest.videos), 'video')}: {_source(study)} {_exemplars(study)} Each lasts "
+        f"{first.duration:g} s, at {first.width}x{first.height} pixels and {first.fps} frames per second, silent."
     )
 
 
-def _blinding(kit: Kit, study: Study) -> str:
-    words = {"seed": "random starts", "turn": "start phases", "mirror": "mirror images", "half_turn": "half turns"}
-    varied = ", ".join(word for name, word in words.items() if getattr(study.vary, name))
-    runs = f"Runs are not those of the public scenes: {varied} were drawn from a secret seed. " if varied else ""
+def _source(study: Study) -> str:
+    scenes = [stimulus.scene for stimulus in study.stimuli if stimulus.scene]
+    recorded = len(study.stimuli) - len(scenes)
+    parts = []
+    if scenes:
+        parts.append(f"simulations of {_count(len(scenes), 'scene')} ({', '.join(scenes)})")
+    if recorded:
+        parts.append(f"{_count(recorded, 'finished video')} ({OPEN}: how it was made)")
+    return f"{_and(parts)}."
+
+
+def _exemplars(study: Study) -> str:
+    levels = "".join(f" Factor {name} has the levels {_and(list(each))}." for name, each in study.factors.items())
+    where = " at each combination of levels" if study.factors else ""
+    return f"{_count(study.exemplars, 'exemplar')} of each{where}.{levels}"
+
+
+def _manipulated(study: Study, emotions: Sequence[str]) -> str:
+    lines = [f"- Emotion that a video signals: {_and(emotions)}."]
+    lines += [f"- {name}: {_and(list(levels))} ({OPEN}: definition)." for name, levels in study.factors.items()]
+    return "\n".join(lines)
+
+
+def _blinding(manifest: Manifest, study: Study) -> str:
+    words = {
+        "seed": "random starting positions",
+        "turn": "starting phases",
+        "mirror": "mirror images",
+        "half_turn": "half turns",
+    }
+    varied = [word for name, word in words.items() if getattr(study.vary, name)]
+    scenes = any(stimulus.scene for stimulus in study.stimuli)
+    runs = "Runs may be those of the public scenes. " if scenes else ""
+    if varied and scenes:
+        runs = f"Where a scene allows it, runs differ from those of the public scenes by {_and(varied)}. "
     return (
-        "The videos have random codes for names, equal length, size, frame rate, encoder settings and file size, and "
-        f"no metadata. {runs}The key was committed to before the first participant, by SHA-256 "
-        f"{kit.manifest.key_commitment}; it is published, with its salt, after the last one."
+        "Participants do not know which emotion a video signals: videos have random codes as names, equal length, "
+        f"size, frame rate, encoder settings and file size, and no metadata. {runs}The public manifest commits to the "
+        f"key by its SHA-256 with a salt, {manifest.key_commitment}."
     )
 
 
 def _orders(kit: Kit) -> str:
-    manifest = kit.manifest
-    shown = (
-        "Every participant sees every video once"
-        if manifest.videos_shown == len(manifest.videos)
-        else (
-            f"Every participant sees {manifest.videos_shown} of the {len(manifest.videos)} videos, one for each emotion"
+    """Return who sees what in which order, with the balance that the planned orders have."""
+    manifest, sets = kit.manifest, sets_of(kit.orders.values())
+    shown = f"Every participant sees every video once, {manifest.videos_shown} in all."
+    if len(sets) > 1:
+        shown = (
+            f"Every participant sees {manifest.videos_shown} of the {len(manifest.videos)} videos, one of each emotion."
+            f" The videos form {len(sets)} sets, which the rows of orders.csv use in turn."
         )
-    )
     how = {
-        "random": "in a random order of their own",
-        "latin": "in orders from Latin squares: each video stands in each place equally often",
-        "williams": "in orders from Williams squares: each video stands in each place, and right after each other "
-        "video, equally often",
+        "random": "Each row has a random order.",
+        "latin": "Orders come from Latin squares.",
+        "williams": "Orders come from Williams squares.",
     }[manifest.order_scheme]
-    size = square_size(manifest.order_scheme, manifest.videos_shown)
-    whole = f"; counts are equal after every {size} participants" if size > 1 else ""
-    answers = "fixed" if manifest.choices.order == "fixed" else "drawn for each participant, and recorded"
-    return f"{shown}, {how}{whole}. The order of the answers is {answers}."
+    size = square_size(manifest.order_scheme, manifest.videos_shown) * len(sets)
+    equal = f" Counts are equal after every {size} participants." if manifest.order_scheme != "random" else ""
+    choices = "the same for all" if manifest.choices.order == "fixed" else "random for each participant and recorded"
+    return f"{shown} {how}{equal} {_balance(kit)} The order of the answers is {choices}."
 
 
-def _measures(kit: Kit) -> str:
-    manifest = kit.manifest
-    answers = ", ".join(answer.text for answer in manifest.choices.labels)
-    lines = [f'- "{manifest.question}" One answer: {answers}.']
-    lines += [f'- {rating.name}: "{rating.question}" ({rating.low} to {rating.high})' for rating in manifest.ratings]
+def _balance(kit: Kit) -> str:
+    balances = [balance_of(orders, videos) for videos, orders in sets_of(kit.orders.values()).items()]
+    positions = _span([count for balance in balances for count in balance.places_range])
+    pairs = _span([count for balance in balances for count in balance.pairs_range])
+    where = " of its set" if len(balances) > 1 else ""
+    rows = f"Over the {_count(len(kit.orders), 'planned row')}, each video has each position {positions}"
+    if kit.manifest.videos_shown == 1:
+        return f"{rows}."
+    return f"{rows}, and follows each other video{where} immediately {pairs}."
+
+
+def _measures(manifest: Manifest) -> str:
+    answers = ", ".join(choice.text for choice in manifest.choices.labels)
+    lines = [f'- "{manifest.question}" One answer of: {answers}.']
+    lines += [
+        f'- {rating.name}: "{rating.question}" Slider from 1 ({rating.low}) to {rating.steps} ({rating.high}).'
+        for rating in manifest.ratings
+    ]
     for item in manifest.demographics:
-        choices = f" ({', '.join(item.choices)})" if item.choices else ""
-        lines.append(f'- {item.name}: "{item.question}"{choices}')
+        choices = ", ".join(item.choices) if item.choices else "a line of text"
+        lines.append(f'- {item.name}: "{item.question}" ({choices}{"" if item.required else "; optional"})')
     return "\n".join(lines)
 
 
-def _ethics(study: Study) -> str:
-    board, number = study.ethics.board or OPEN, study.ethics.approval or OPEN
-    return f"Approved by {board}, number {number}. Consent text, version {study.consent.version}."
+def _sample(kit: Kit) -> str:
+    return f"{_count(kit.manifest.participants, 'participant')}."
+
+
+def _rationale(kit: Kit, study: Study, tests: int) -> str:
+    said, answers = study.plan, len(study.answers)
+    found = plan(said.rate, answers, tests, said.alpha, said.power)
+    need = "more than can be planned" if found.n is None else str(found.n)
+    few = found.n is None or kit.manifest.participants < found.n
+    flag = f" **BELOW THE PLAN**: the kit has {kit.manifest.participants}; {OPEN}: why." if few else ""
+    return (
+        f"For an emotion with a true hit rate of {said.rate:g}, {answers} answers (chance {found.chance:.4f}), a power "
+        f"of {said.power:g} and a level of {said.alpha:g} (first step of Holm's correction for {tests} tests: "
+        f"{found.alpha:.4g}), the study needs {need} participants who each answer one video of the emotion: "
+        f"{found.n_binomial} for the exact binomial test against chance, {found.n_goodness} for Pearson's chi-squared "
+        f"goodness of fit (w = {found.w:.2f}).{flag}"
+    )
+
+
+def _ratings(manifest: Manifest) -> str:
+    if not manifest.ratings:
+        return "The study has no ratings."
+    names = _and([rating.name for rating in manifest.ratings])
+    return f"Ratings ({names}): {OPEN}, since `emovid study analyze` does not analyze them."
+
+
+def _none(manifest: Manifest) -> str:
+    if any(choice.label == NONE for choice in manifest.choices.labels):
+        return '"None of these" is offered; it counts as an answer that is wrong for every video.'
+    return '"None of these" is not offered: a forced choice can raise agreement, which is a limit.'
+
+
+def _groups(manifest: Manifest) -> str:
+    groups = [item.name for item in manifest.demographics if item.choices]
+    texts = [item.name for item in manifest.demographics if not item.choices]
+    found = f"By {_and(groups)}." if groups else "None."
+    return found + (f" Free text, not analyzed by groups: {_and(texts)}." if texts else "")
+
+
+def _span(counts: Sequence[int]) -> str:
+    least, most = min(counts), max(counts)
+    return _count(most, "time") if least == most else f"{least} to {_count(most, 'time')}"
+
+
+def _count(number: int, word: str) -> str:
+    return f"{number} {word}{'' if number == 1 else 's'}"
+
+
+def _and(words: Sequence[str]) -> str:
+    return f"{', '.join(words[:-1])} and {words[-1]}" if len(words) > 1 else "".join(words)
