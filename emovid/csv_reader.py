@@ -58,6 +58,8 @@ class Table:
         cells: the rows below the header as stripped text; columns 0, 1, ...
         lines: line of each row, counted from 1.
         rejected: ragged rows.
+        files: names of the files that were joined; empty for a single one.
+        origins: index into `files` of each row; None for a single file.
     """
 
     file: str
@@ -66,10 +68,22 @@ class Table:
     cells: pd.DataFrame
     lines: NDArray[np.int64]
     rejected: tuple[Rejected, ...] = ()
+    files: tuple[str, ...] = ()
+    origins: NDArray[np.int64] | None = None
 
     def rows(self, kept: NDArray[np.bool_]) -> "Table":
         """Return the table with the rows of a mask only."""
-        return replace(self, cells=self.cells[kept].reset_index(drop=True), lines=self.lines[kept])
+        origins = None if self.origins is None else self.origins[kept]
+        return replace(self, cells=self.cells[kept].reset_index(drop=True), lines=self.lines[kept], origins=origins)
+
+    def with_column(self, name: str, cells: "pd.Series[str]") -> "Table":
+        """Return the table with one more column, the last."""
+        frame = self.cells.assign(new=cells).set_axis(range(len(self.names) + 1), axis=1)
+        return replace(self, names=(*self.names, name), texts=(*self.texts, name), cells=frame)
+
+    def replaced(self, place: int, cells: "pd.Series[str]") -> "Table":
+        """Return the table with other cells in one column."""
+        return replace(self, cells=pd.DataFrame({i: cells if i == place else self.cells[i] for i in self.cells}))
 
     def with_texts(self, headers: int, row: int = 0) -> "Table":
         """Return the table without its first `headers` rows; row `row` of them (from 0) holds the question texts."""
@@ -121,6 +135,32 @@ def table_of(file: str, rows: Iterable[tuple[int, Sequence[str]]]) -> Table:
     frame = pd.DataFrame([list(cells) for _, cells in rest], columns=range(len(names)), dtype="str")
     lines = np.array([line for line, _ in rest], dtype=np.int64)
     return _finished(file, list(names), frame, lines, [])
+
+
+def joined_table(tables: Sequence[Table]) -> Table:
+    """Return the rows of several tables as one; a column that a table lacks is empty in its rows.
+
+    Tables that repeat a name must have the same header.
+    """
+    if len(tables) == 1:
+        return tables[0]
+    names = tables[0].names
+    if any(table.names != names for table in tables) and all(len(set(t.names)) == len(t.names) for t in tables):
+        names = tuple(dict.fromkeys(name for table in tables for name in table.names))
+        frames = [table.cells.set_axis(list(table.names), axis=1).reindex(columns=list(names)) for table in tables]
+    else:
+        frames = [table.cells.set_axis(range(len(names)), axis=1) for table in tables]
+    cells = pd.concat(frames, ignore_index=True).fillna("").astype("str").set_axis(range(len(names)), axis=1)
+    return Table(
+        tables[0].file,
+        names,
+        tables[0].texts if names == tables[0].names else names,
+        cells,
+        np.concatenate([table.lines for table in tables]),
+        tuple(row for table in tables for row in table.rejected),
+        tuple(table.file for table in tables),
+        np.repeat(np.arange(len(tables)), [len(table.lines) for table in tables]),
+    )
 
 
 def utf8(data: bytes, file: str) -> bytes:

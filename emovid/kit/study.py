@@ -8,8 +8,8 @@ from pydantic import Field, model_validator
 from emovid.errors import SourceError
 from emovid.kit.orders import Scheme
 from emovid.kit.texts import Language, Link, Name, Text, TextList, Texts
-from emovid.responses.dialects.own import FIRST, RECORDED
 from emovid.responses.labels import NONE, Labels, plain
+from emovid.responses.responses import RECORDED, SURVEY_COLUMNS
 from emovid.scene.fields import MAX_DURATION, Keys, inconsistent
 from emovid.scene.video import MAX_FPS
 
@@ -17,7 +17,7 @@ MAX_VIDEOS = 200
 _COMMON = ("video", "video.size", "video.fps", "video.format", "duration", "emotion")  # keys of the study itself
 # Columns of stimuli.csv.
 _FACTS = ("video_code", "true_emotion", "source", "exemplar", "seed", "mirror", "half_turn", "turn")
-_COLUMNS = (*FIRST, *RECORDED, "participant_id", "video_code", "signalled", "perceived")  # columns of data
+_COLUMNS = (*SURVEY_COLUMNS, *RECORDED, "participant_id", "video_code", "signalled", "perceived")  # columns of data
 _PAGES = ("consent", "instructions", "end")  # questions of exported surveys
 _TAKEN = dict.fromkeys(_COLUMNS, "is a column of the data") | dict.fromkeys(_PAGES, "is a page of the survey")
 

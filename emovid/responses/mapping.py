@@ -1,179 +1,170 @@
-"""map.yaml: what an export does not say of itself."""
+"""map.yaml: facts about an export that cannot be detected from its columns."""
 
 from collections.abc import Mapping as Map
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Self, TypeAlias
 
 import yaml
+from pydantic import BeforeValidator, Field, PrivateAttr, ValidationError, model_validator
+from pydantic_core import PydanticCustomError
 
 from emovid.csv_reader import read_bytes, utf8
-from emovid.errors import SourceError, nearest, quoted
+from emovid.errors import SourceError, quoted
 from emovid.responses.key import code_of
-from emovid.yaml_source import read_yaml
+from emovid.responses.responses import Repeats
+from emovid.scene.fields import Keys, inconsistent
+from emovid.scene.validation_messages import source_error
+from emovid.yaml_source import KeyPath, Places, read_yaml
 
-KEYS = ("participant", "video", "response", "videos", "answers", "groups", "drop", "labels")
-EACH_ROW = "each row"  # what `participant` says where no two rows are one person's
-_Places = Map[tuple[str | int, ...], str]
-
-
-@dataclass(frozen=True)
-class Mapping:
-    """What map.yaml says; columns are named as in the file, by their header or their question text.
-
-    Attributes:
-        participant: the column that tells participants apart, `EACH_ROW` where each row is another's, or "".
-        video: the column of videos in a table with a row for each answer, or "".
-        response: the column of answers in such a table, or "".
-        videos: the code of each of these columns.
-        in_order: or the codes of the columns that ask one question, in the order of the file.
-        answers: the label of each cell; None where it counts as no answer.
-        groups: the column of each group.
-        drop: the values of a column whose participants are left out.
-        labels: the labels, or none where they are the six emotions.
-        places: where each key stands, ``"file:line"``.
-    """
-
-    participant: str = ""
-    video: str = ""
-    response: str = ""
-    videos: Map[str, str] = field(default_factory=dict)
-    in_order: tuple[str, ...] = ()
-    answers: Map[str, str | None] = field(default_factory=dict)
-    groups: Map[str, str] = field(default_factory=dict)
-    drop: Map[str, tuple[str, ...]] = field(default_factory=dict)
-    labels: tuple[str, ...] = ()
-    places: Map[tuple[str | int, ...], str] = field(default_factory=dict)
+EACH_ROW = "each row"  # value of `participant` if every row belongs to another participant
+EACH_FILE = "each file"  # value of `participant` if every file belongs to another participant
 
 
-def read_mapping(path: Path) -> Mapping:
-    """Return what a map.yaml says.
+def _words(value: Any) -> Any:
+    """Return a single word as a list of one."""
+    return [value] if isinstance(value, str) else value
+
+
+def _codes(value: Any) -> Any:
+    """Return the codes of videos, cleaned; for columns (a group of keys) or for columns in order (a list)."""
+    if not isinstance(value, dict | list):
+        raise PydanticCustomError("codes", "column: code, or a list of codes")
+    items = value.items() if isinstance(value, dict) else enumerate(value)
+    for key, code in items:
+        if not isinstance(code, str) or not code_of(code):
+            raise inconsistent(str(key), "no code; expected the code of a video")
+    return {key: code_of(code) for key, code in value.items()} if isinstance(value, dict) else list(map(code_of, value))
+
+
+Words: TypeAlias = Annotated[tuple[str, ...], BeforeValidator(_words), Field(strict=False)]
+Codes: TypeAlias = Annotated[dict[str, str] | list[str], BeforeValidator(_codes)]
+
+
+class Rows(Keys):
+    """Rows that count, by the values of columns."""
+
+    keep: dict[str, Words] = Field({}, description="column: values of the rows to keep; all others are left out")
+    leave_out: dict[str, Words] = Field({}, description="column: values of the rows to leave out")
+
+
+class ExportMap(Keys):
+    """All keys of a map.yaml; columns are named by their header or their question text."""
+
+    participant: str = Field("", description=f"column that names the participants; or {EACH_ROW}, or {EACH_FILE}")
+    video: str = Field("", description="column of videos, in a table with one row for each answer")
+    response: Words = Field((), description="column of answers in such a table, or a list of columns that share them")
+    truth: str = Field("", description="column of the true emotion in such a table; replaces a key")
+    videos: Codes = Field({}, description="column: code of its video; or a list of codes, in the order of the columns")
+    answers: dict[str, str | None] = Field(
+        {}, description="text of a cell: its label, none for none of these, nothing for a missing answer"
+    )
+    groups: dict[str, str] = Field({}, description="name of a group: its column")
+    drop: dict[str, Words] = Field({}, description="column: values of participants to leave out")
+    rows: Rows = Field(Rows(), description="rows to keep or to leave out, such as practice trials")
+    repeats: Repeats | None = Field(
+        None, description="which of several answers of a participant to one video count: first, last or all"
+    )
+    labels: Annotated[tuple[str, ...], Field(strict=False)] = Field(
+        (), description="labels, if they are not the six emotions"
+    )
+
+    _places: Places = PrivateAttr({})
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.video and self.videos:
+            message = "given beside videos; expected video for a row for each answer, or videos for a column for each"
+            raise inconsistent("video", message)
+        for key, titles in (("response", self.response), ("truth", (self.truth,))):
+            if self.video and self.video in titles:
+                raise inconsistent(key, "also the column of videos; expected another column")
+        return self
+
+    @property
+    def codes_of_columns(self) -> Map[str, str]:
+        """The code of each column that the map names."""
+        return self.videos if isinstance(self.videos, dict) else {}
+
+    @property
+    def codes_in_order(self) -> tuple[str, ...]:
+        """The codes of columns that ask one question, in the order of the file."""
+        return tuple(self.videos) if isinstance(self.videos, list) else ()
+
+    def place(self, *path: str | int) -> str:
+        """Return ``file:line`` of a key, or of the innermost group around it."""
+        return next((self._places[path[:n]] for n in range(len(path), -1, -1) if path[:n] in self._places), "map.yaml")
+
+
+def read_mapping(path: Path) -> ExportMap:
+    """Return the content of a map.yaml.
 
     Raises:
-        SourceError: for an unknown key or a value of another kind, with file, line and key.
+        SourceError: for an invalid map, with file, line and key.
     """
     text = utf8(read_bytes(path), str(path)).decode()
     if not text.strip():
-        raise SourceError(str(path), f"empty; expected some of {', '.join(KEYS)}")
-    try:
-        values, places = read_yaml(text, str(path), "map", as_words=True)
-    except SourceError as error:
-        raise SourceError(error.where, error.message, 0, error.key) from None
+        raise SourceError(str(path), f"empty; expected some of {', '.join(ExportMap.model_fields)}")
+    values, places = read_yaml(text, str(path), "map", as_words=True)
     if not isinstance(values, dict):
-        raise SourceError(str(path), f"no map; expected some of {', '.join(KEYS)}")
-    for key in values:
-        if key not in KEYS:
-            raise SourceError(places[key,], f"unknown key{nearest(key, KEYS)}; expected {', '.join(KEYS)}", 0, key)
-    return _mapping({key: value for key, value in values.items() if value is not None}, places)
+        raise SourceError(str(path), f"not a map; expected some of {', '.join(ExportMap.model_fields)}")
+    try:
+        found = ExportMap.model_validate(
+            {key: _filled(key, value) for key, value in values.items() if value is not None}
+        )
+    except ValidationError as error:
+        raise source_error(error, places, ExportMap) from None
+    found._places = places
+    return found
+
+
+def _filled(key: str, value: Any) -> Any:
+    """Return a value of the map; an empty column of a group means that there is no such group."""
+    if key == "groups" and isinstance(value, dict):
+        return {name: column for name, column in value.items() if column is not None}
+    return value
+
+
+def map_schema() -> dict[str, Any]:
+    """Return the JSON Schema (draft 2020-12) of a map.yaml."""
+    schema = ExportMap.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "emovid map"}
 
 
 def map_text(
     named: Map[str, str], videos: Map[str, str] | list[str], groups: Map[str, str], answers: Sequence[str]
 ) -> str:
-    """Return a map.yaml to edit: what was found in a file, and in comments what else can be said.
+    """Return a map.yaml to edit: the detected columns, and comments on all keys.
 
     Args:
-        named: the columns of `participant`, `video` and `response`, those that were found.
-        videos: as in `Mapping`; left out where there is a column of videos.
-        groups: as there.
-        answers: cells that are no labels.
+        named: detected columns of `participant`, `video`, `response` and `truth`.
+        videos: as in `ExportMap`; left out if there is a column of videos.
+        groups: as in `ExportMap`.
+        answers: texts of answers that are not labels.
     """
-    known: dict[str, Any] = dict(named)
+    keys: dict[str, Any] = dict(named)
     if "video" not in named:
-        known["videos"] = videos or None
-    known["answers"] = dict.fromkeys(answers) or None
-    known["groups"] = dict(groups) or None
-    text = yaml.safe_dump(known, sort_keys=False, allow_unicode=True, default_flow_style=False, width=10_000)
+        keys["videos"] = videos or None
+    keys["answers"] = dict.fromkeys(answers) or None
+    keys["groups"] = dict(groups) or None
+    text = yaml.safe_dump(keys, sort_keys=False, allow_unicode=True, default_flow_style=False, width=10_000)
     return text.replace(": null\n", ":\n") + _COMMENTS
 
 
-_COMMENTS = """\
-# participant: the column that tells participants apart, "each row" where no two rows are one person's
-# video, response: the columns of videos and of answers, in a table with a row for each answer
+_COMMENTS = f"""\
+# participant: the column that names the participants; "{EACH_ROW}" or "{EACH_FILE}" if each belongs to another one
+# video, response: the columns of videos and of answers, in a table with one row for each answer
+# truth: the column of the true emotion in such a table, if there is no key
 # videos: a code for each column as above, or a list of codes for columns that ask one question, in their order
-# answers: the label of each cell above, none for "none of these", nothing for no answer
-# drop: {column: [values]} leaves out their participants
-# labels: [happiness, surprise, ...] where they are not the six emotions
+# answers: the label of each text above; none for "none of these", nothing for a missing answer
+# rows: {{leave_out: {{column: [values]}}}} leaves out rows such as practice; keep: keeps only the rows it names
+# repeats: first, last or all, if participants answered a video several times
+# drop: {{column: [values]}} leaves out participants
+# labels: [happiness, surprise, ...] if they are not the six emotions
 """
 
 
-def _mapping(values: dict[str, Any], places: _Places) -> Mapping:
-    videos, in_order = _codes(values, places)
-    if "video" in values and (videos or in_order):
-        message = "beside videos; expected one: video for a row for each answer, videos for a column for each video"
-        raise SourceError(places["video",], message, 0, "video")
-    if values.get("video") and values["video"] == values.get("response"):
-        raise SourceError(places["response",], "the column of videos, too; expected another", 0, "response")
-    answers = {
-        cell: None if label is None else _word(label, ("answers", cell), places)
-        for cell, label in _table(values, "answers", places).items()
-    }
-    return Mapping(
-        participant=_word(values.get("participant", ""), ("participant",), places),
-        video=_word(values.get("video", ""), ("video",), places),
-        response=_word(values.get("response", ""), ("response",), places),
-        videos=videos,
-        in_order=in_order,
-        answers=answers,
-        groups={
-            name: _word(title, ("groups", name), places)
-            for name, title in _table(values, "groups", places).items()
-            if title is not None
-        },
-        drop={
-            name: _list(value if isinstance(value, list) else [value], ("drop", name), places)
-            for name, value in _table(values, "drop", places).items()
-        },
-        labels=_list(values.get("labels", []), ("labels",), places),
-        places=places,
-    )
-
-
-def _codes(values: dict[str, Any], places: _Places) -> tuple[dict[str, str], tuple[str, ...]]:
-    """Return the code of each column, or the codes of columns in their order."""
-    videos = values.get("videos")
-    if isinstance(videos, list):
-        return {}, tuple(_code(code, ("videos", i), places) for i, code in enumerate(videos))
-    table = _table(values, "videos", places)
-    return {column: _code(code, ("videos", column), places) for column, code in table.items()}, ()
-
-
-def _code(value: Any, path: tuple[str | int, ...], places: _Places) -> str:
-    code = "" if value is None else code_of(_word(value, path, places))
-    if not code:
-        raise SourceError(_place(path, places), "no code; expected that of the video", 0, ".".join(map(str, path)))
-    return code
-
-
-def _table(values: dict[str, Any], key: str, places: _Places) -> dict[str, Any]:
-    table = values.get(key, {})
-    if not isinstance(table, dict):
-        raise SourceError(places[key,], f"{quoted(str(table))} given; expected {_SHAPES[key]}", 0, key)
-    return table
-
-
-_SHAPES = {
-    "videos": "column: code, or a list of codes (video names the one column of videos)",
-    "answers": "cell: label",
-    "groups": "name: column",
-    "drop": "column: [values]",
-}
-
-
-def _list(value: Any, path: tuple[str, ...], places: _Places) -> tuple[str, ...]:
-    if not isinstance(value, list):
-        raise SourceError(places[path], f"{quoted(str(value))} given; expected a list", 0, ".".join(path))
-    return tuple(_word(item, (*path, i), places) for i, item in enumerate(value))
-
-
-def _word(value: Any, path: tuple[str | int, ...], places: _Places) -> str:
-    if isinstance(value, str):
-        return value
-    given = "nothing" if value is None else quoted(str(value))
-    raise SourceError(_place(path, places), f"{given} given; expected a word", 0, ".".join(map(str, path)))
-
-
-def _place(path: tuple[str | int, ...], places: _Places) -> str:
-    """Return where a value stands, the least whole of which it is a part if its own place is not known."""
-    return next(places[path[:length]] for length in range(len(path), 0, -1) if path[:length] in places)
+def unknown_column(where: ExportMap, path: KeyPath, title: str, hint: str) -> SourceError:
+    """Return the error for a key of the map that names a column that no file has."""
+    message = f"no file has the column {quoted(title)}{hint}; expected a column of the export"
+    return SourceError(where.place(*path), message, 0, ".".join(map(str, path)))

@@ -1,33 +1,41 @@
-"""From the exports of a survey to `Responses`: the door of this half of the room."""
+"""From the exports of a survey to `Responses`."""
 
-import hashlib
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pandas as pd
 
-from emovid.csv_reader import Rejected, Table, read_bytes, read_table, utf8
-from emovid.errors import SourceError, nearest, quoted, reason
-from emovid.responses.answer_validation import COLUMNS, settle
-from emovid.responses.dialects.jspsych import json_table
-from emovid.responses.dialects.parsed_export import Known, Raw, no_answers
-from emovid.responses.dialects.registry import dialect_of
+from emovid.csv_reader import Rejected, Table, joined_table
+from emovid.errors import SourceError, nearest, quoted
+from emovid.responses.answer_validation import COLUMNS, NO_ANSWER, TWICE, ValidAnswers, valid_answers
+from emovid.responses.dialects.registry import Dialect, dialect_of
+from emovid.responses.export_files import files_in, open_table, short_names
 from emovid.responses.key import read_key
 from emovid.responses.labels import NONE, Labels, plain
-from emovid.responses.mapping import Mapping, read_mapping
+from emovid.responses.mapping import ExportMap, read_mapping, unknown_column
+from emovid.responses.parsed_export import Known, ParsedExport, no_answers
 from emovid.responses.responses import EMOTIONS, Responses, Source
-from emovid.responses.results_files import is_of_analysis, is_results
+
+MOST_REJECTED = 0.1  # largest share of answers, rows and participants that may be rejected
 
 
 @dataclass(frozen=True, eq=False)
-class _Read:
-    """One file: what it is, and what it says."""
+class _File:
+    """One file: its table, format and digest."""
 
-    source: Source
-    names: tuple[str, ...]
-    raw: Raw
+    table: Table
+    dialect: Dialect
+    sha256: str
+
+
+@dataclass(frozen=True, eq=False)
+class _Parsed:
+    """Files that were read as one table."""
+
+    files: tuple[str, ...]
+    parsed: ParsedExport
 
 
 def read_responses(
@@ -36,30 +44,38 @@ def read_responses(
     mapping: Path | str | None = None,
     labels: Sequence[str] | None = None,
     groups: Sequence[str] = (),
+    include_pilots: bool = False,
+    max_rejected: float = MOST_REJECTED,
 ) -> Responses:
     """Return the answers in one or more exports.
 
     Args:
-        sources: files, and folders, which are read file by file: one that is no export is named in `rejected` (row 0).
-        key: the emotion of each video code, as video_code,true_emotion.
+        sources: files, and folders, whose files are read one by one: a file that is no export is in `rejected` (row 0).
+        key: emotion of each video code, as video_code,true_emotion.
         mapping: a map.yaml.
         labels: instead of the six emotions, or of the map's.
-        groups: that must be found.
+        groups: groups that must be found.
+        include_pilots: whether answers of pilot runs count.
+        max_rejected: largest share of rows or participants that may be unusable for another reason than a mark of the
+            tool, a rule of the map, or a missing answer.
 
     Raises:
-        SourceError: for a file that cannot be understood, and where no answer is left.
+        SourceError: for a file that cannot be understood, if too much is rejected, and if no answer is left.
     """
     paths = list(map(Path, [sources] if isinstance(sources, Path | str) else sources))
     known = known_from(Path(key) if key else None, Path(mapping) if mapping else None, labels, groups)
-    files, skipped = _read_all(paths, known, {Path(path).resolve() for path in (key, mapping) if path})
+    known = replace(known, include_pilots=include_pilots)
+    files, skipped = _open_all(paths, known, {Path(path).resolve() for path in (key, mapping) if path})
     if not files:
-        no_file = "no file here, those of an analysis aside"
-        first = skipped[0] if skipped else Rejected(", ".join(map(str, paths)), 0, "", "", no_file)
-        raise SourceError(
-            first.file, f"{first.reason}; expected an export of a survey" if not skipped else first.reason
+        no_file = "no file here, except those of an analysis; expected an export of a survey"
+        raise (
+            SourceError(skipped[0].file, skipped[0].reason)
+            if skipped
+            else SourceError(", ".join(map(str, paths)), no_file)
         )
     _check_columns(known.mapping, files)
-    found = _responses(files, known, skipped)
+    known = replace(known, file_names=short_names(file.table.file for file in files))
+    found = _responses(files, known, skipped, max_rejected)
     _check_groups(known, list(found.participants.columns))
     return found
 
@@ -67,40 +83,26 @@ def read_responses(
 def known_from(
     key: Path | None, mapping: Path | None, labels: Sequence[str] | None = None, groups: Sequence[str] = ()
 ) -> Known:
-    """Return what is known besides the exports. Raises SourceError for a key or a map that cannot be meant."""
-    said = read_mapping(mapping) if mapping else Mapping()
+    """Return the facts known besides the exports. Raises SourceError for an invalid key or map."""
+    said = read_mapping(mapping) if mapping else ExportMap()
     try:
         meant = Labels(labels or said.labels or EMOTIONS, said.answers)
     except SourceError as error:
         path = ("answers", error.key) if error.key else ("labels",)
-        raise SourceError(said.places.get(path, "--labels"), error.message, 0, ".".join(path)) from None
+        where = said.place(*path) if path[0] in said.model_fields_set else "--labels"
+        raise SourceError(where, error.message, 0, ".".join(path)) from None
     return Known(meant, read_key(key, meant) if key else {}, said, tuple(groups))
 
 
-def open_table(path: Path) -> tuple[Table, str]:
-    """Return the table of a file, CSV or jsPsych's JSON, and the SHA-256 of its bytes.
-
-    Raises:
-        SourceError: if it is neither, or has no rows.
-    """
-    data = read_bytes(path)
-    is_json = utf8(data[:100], str(path)).lstrip()[:1] in (b"[", b"{")
-    table = json_table(data, str(path)) if is_json else read_table(data, str(path))
-    if not len(table.lines):
-        found = table.rejected[0].reason if table.rejected else "a header alone"
-        raise SourceError(str(path), f"{found}; expected a row for each participant or answer", 1)
-    return table, hashlib.sha256(data).hexdigest()
-
-
-def _read_all(paths: Iterable[Path], known: Known, beside: set[Path]) -> tuple[list[_Read], list[Rejected]]:
-    files: list[_Read] = []
+def _open_all(paths: Iterable[Path], known: Known, beside: set[Path]) -> tuple[list[_File], list[Rejected]]:
+    files: list[_File] = []
     skipped: list[Rejected] = []
     for path in paths:
         for file in files_in(path) if path.is_dir() else [path]:
             if path.is_dir() and file.resolve() in beside:
                 continue
             try:
-                files.append(_read_one(file, known))
+                files.append(_open(file, known))
             except SourceError as error:
                 if not path.is_dir():
                     raise
@@ -108,81 +110,163 @@ def _read_all(paths: Iterable[Path], known: Known, beside: set[Path]) -> tuple[l
     return files, skipped
 
 
-def _read_one(file: Path, known: Known) -> _Read:
+def _open(file: Path, known: Known) -> _File:
     twin = file.with_suffix(".csv")
     if file.suffix == ".json" and twin.exists():
         raise SourceError(str(file), f"the same data as {twin.name}")
     table, digest = open_table(file)
-    dialect = dialect_of(table, known)
-    return _Read(Source(str(file), dialect.name, digest, 0), (*table.names, *table.texts), dialect.read(table, known))
+    return _File(table, dialect_of(table, known), digest)
 
 
-def files_in(folder: Path) -> list[Path]:
-    """Return the files of a folder and of those in it by their names, hidden ones and those of an analysis aside."""
-    try:
-        files = sorted(file for file in folder.rglob("*") if file.is_file() and not file.name.startswith("."))
-        analysed = {file.parent for file in files if file.name == "results.json" and is_results(file)}
-        return [file for file in files if not is_of_analysis(file, file.parent in analysed)]
-    except OSError as error:
-        raise SourceError(str(folder), f"cannot be read: {reason(error)}") from None
+def read_pooled(files: Sequence[tuple[Table, Dialect]], known: Known) -> Iterator[tuple[tuple[str, ...], ParsedExport]]:
+    """Yield the names and the content of files, those of one format with the same columns read as one table.
+
+    The roles of columns are decided once for all participants: a participant who is always right in a file of their own
+    does not make the column of answers look like that of true emotions.
+    """
+    for dialect, tables in pools(files):
+        yield tuple(table.file for table in tables), dialect.read(joined_table(tables), known)
 
 
-def _responses(files: list[_Read], known: Known, skipped: list[Rejected]) -> Responses:
-    raws = [_apart(file, len(files) > 1) for file in files]
-    stated = {code: emotion for raw in raws for code, emotion in raw.codes.items()}
-    names = [file.source.file for file in files]
-    parts = [raw.answers.assign(file=place) for place, raw in enumerate(raws)]
-    together = pd.concat(parts, ignore_index=True) if any(map(len, parts)) else no_answers().assign(file=[])
-    known = replace(known, codes=known.codes or stated)
-    answers, rejected = settle(together, known, names)
-    dropped = Counter[str]()
-    for raw in raws:
-        dropped.update(raw.dropped)
-    rejected = [*skipped, *(row for raw in raws for row in raw.rejected), *rejected]
-    if not len(answers):
+def pools(files: Sequence[tuple[Table, Dialect]]) -> list[tuple[Dialect, list[Table]]]:
+    """Return the tables that are read as one: those of a tool, and tables of no tool with the same columns."""
+    groups: dict[tuple[object, ...], tuple[Dialect, list[Table]]] = {}
+    for i, (table, dialect) in enumerate(files):
+        is_tool = dialect.is_pooled and dialect.name != "long table" and len(set(table.names)) == len(table.names)
+        group = (dialect.name, *(() if is_tool else (tuple(sorted(table.names)),) if dialect.is_pooled else (i,)))
+        groups.setdefault(group, (dialect, []))[1].append(table)
+    return list(groups.values())
+
+
+def _responses(files: Sequence[_File], known: Known, skipped: Sequence[Rejected], max_rejected: float) -> Responses:
+    parts = [_Parsed(*pair) for pair in read_pooled([(file.table, file.dialect) for file in files], known)]
+    parts = [_apart(part, known) if len(files) > 1 else part for part in parts]
+    names = [name for part in parts for name in part.files]
+    known = replace(known, codes=known.codes or {code: e for part in parts for code, e in part.parsed.codes.items()})
+    together = _together(parts)
+    valid = valid_answers(together, known, names)
+    dropped, left_out = Counter[str](), Counter[str]()
+    for part in parts:
+        dropped.update(part.parsed.dropped)
+        left_out.update(part.parsed.left_out)
+    ragged = [row for part in parts for row in part.parsed.rejected]
+    rejected = [*skipped, *ragged, *valid.rejected]
+    if not len(valid.frame):
         raise _nothing_left(names[0], rejected, dropped)
-    kept = answers.groupby("file")["participant"].nunique()
-    offers_none = known.labels.offers_none or bool((answers["perceived"] == NONE).any())
-    stood_for = {*known.codes.values()} or {known.emotion(str(video)) or "" for video in together["video"].unique()}
-    signalled = tuple(label for label in known.labels.signalled if label in stood_for)
-    answers_only = [label for label in known.labels.signalled if label not in stood_for]
+    _check_rejected([*ragged, *valid.rejected], len(together) + len(ragged), max_rejected)
+    _check_people(valid, int((together["participant"].drop_duplicates() != "").sum()), max_rejected)
+    participants = _participants(valid.frame, parts, together, dropped)
+    signalled, labels = _labels(valid.frame, together, known)
+    notes = {name: part.parsed.note for part in parts for name in part.files}
     return Responses(
         signalled=signalled,
-        labels=(*signalled, *answers_only, *([NONE] if offers_none else [])),
-        answers=answers[COLUMNS],
-        participants=_participants(answers, raws, together, dropped),
-        sources=tuple(
-            replace(file.source, participants=int(kept.get(i, 0)), note=file.raw.note) for i, file in enumerate(files)
-        ),
+        labels=labels,
+        answers=valid.frame[COLUMNS],
+        participants=participants,
+        sources=tuple(_sources(files, valid, names, notes)),
         rejected=tuple(sorted(rejected, key=lambda row: (row.file, row.row))),
         dropped=dict(dropped),
+        left_out=dict(left_out),
+        synonyms=valid.synonyms,
+        repeats=known.mapping.repeats,
+        simulated=any(part.parsed.simulated for part in parts),
+        warnings=tuple(dict.fromkeys(warning for part in parts for warning in part.parsed.warnings)),
     )
 
 
-def _apart(file: _Read, several: bool) -> Raw:
-    """Return what a file says; where its participants are mere numbers, and other files have theirs, with its name."""
-    raw = file.raw
-    if not (several and raw.numbered):
-        return raw
-    prefix = f"{Path(file.source.file).stem}:"
-    answers = raw.answers.assign(participant=prefix + raw.answers["participant"])
-    return replace(raw, answers=answers, participants=raw.participants.rename(index=lambda name: prefix + name))
+def _together(parts: Sequence[_Parsed]) -> pd.DataFrame:
+    frames, first = [], 0
+    for part in parts:
+        frames.append(part.parsed.answers.assign(file=part.parsed.answers["file"] + first))
+        first += len(part.files)
+    filled = [frame for frame in frames if len(frame)]
+    return pd.concat(filled, ignore_index=True) if filled else no_answers()
+
+
+def _labels(answers: pd.DataFrame, together: pd.DataFrame, known: Known) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the labels that videos stand for, and those of all answers."""
+    offers_none = known.labels.offers_none or bool((answers["perceived"] == NONE).any())
+    stood_for = {*known.codes.values()} or {known.emotion(str(video)) or "" for video in together["video"].unique()}
+    signalled = tuple(label for label in known.labels.signalled if label in stood_for)
+    others = [label for label in known.labels.signalled if label not in stood_for]
+    return signalled, (*signalled, *others, *([NONE] if offers_none else []))
+
+
+def _sources(
+    files: Sequence[_File], valid: ValidAnswers, names: Sequence[str], notes: Mapping[str, str]
+) -> Iterator[Source]:
+    kept = valid.frame.groupby("file")["participant"].nunique()
+    for file in files:
+        name = file.table.file
+        yield Source(name, file.dialect.name, file.sha256, int(kept.get(names.index(name), 0)), notes[name])
+
+
+def _apart(part: _Parsed, known: Known) -> _Parsed:
+    """Return the content of files; participants that are numbers of rows get the name of their file as well."""
+    parsed = part.parsed
+    if not parsed.numbered:
+        return part
+    labels = [f"{known.file_names[name]}:" for name in part.files]
+    if len(labels) == 1:
+        participants = parsed.participants.rename(index=lambda name: labels[0] + name)
+    else:
+        participants = parsed.participants  # numbers differ between the rows of joined files
+        labels = [""] * len(labels)
+    prefix = parsed.answers["file"].map(dict(enumerate(labels))).astype("str")
+    answers = parsed.answers.assign(participant=prefix + parsed.answers["participant"])
+    return replace(part, parsed=replace(parsed, answers=answers, participants=participants))
 
 
 def _participants(
-    answers: pd.DataFrame, raws: Sequence[Raw], together: pd.DataFrame, dropped: Counter[str]
+    answers: pd.DataFrame, parts: Sequence[_Parsed], together: pd.DataFrame, dropped: Counter[str]
 ) -> pd.DataFrame:
     """Return the groups of each participant who has an answer; the others are counted as dropped."""
     people = pd.Index(answers["participant"].unique(), name="participant", dtype="str")
-    without = len(set(together["participant"].unique()) - {""} - set(people))
+    all_people = set(together["participant"].unique()) - {""}
+    without = len(all_people - set(people))
     if without:
         dropped["no usable answer"] += without
     frame = pd.DataFrame(index=people)
-    for raw in raws:
-        for name in raw.participants.columns:
-            column = raw.participants[name].reindex(people).fillna("").astype("str")
+    for part in parts:
+        for name in part.parsed.participants.columns:
+            column = part.parsed.participants[name].reindex(people).fillna("").astype("str")
             frame[name] = frame[name].where(frame[name] != "", column) if name in frame else column
     return frame
+
+
+def grouped(rejected: Sequence[Rejected]) -> list[str]:
+    """Return one line for each reason and value: "20 rows: 'curious' unknown video; ...", the most frequent first."""
+    counts = Counter((row.value, row.reason) for row in rejected)
+    return [
+        f"{count} row{'s' if count > 1 else ''}: {f'{quoted(value)} ' if value else ''}{reason}"
+        for (value, reason), count in counts.most_common()
+    ]
+
+
+def _check_rejected(rejected: Sequence[Rejected], total: int, most: float) -> None:
+    """Raise SourceError if more than a share of the rows cannot be used; missing answers and repeats are usable."""
+    faults = [row for row in rejected if row.reason != NO_ANSWER and not row.reason.startswith(TWICE)]
+    usable = total - (len(rejected) - len(faults))
+    if len(faults) > most * usable:
+        lines = grouped(faults)
+        shown = "; ".join(lines[:3]) + (f"; and {len(lines) - 3} more reasons" if len(lines) > 3 else "")
+        message = (
+            f"{len(faults)} of {usable} answers cannot be used ({shown}); expected at most {100 * most:g} %: correct "
+            "the key or the map, or accept more with --max-rejected"
+        )
+        raise SourceError(faults[0].file, message)
+
+
+def _check_people(valid: ValidAnswers, total: int, most: float) -> None:
+    """Raise SourceError if too many participants have no answer that can be used."""
+    count = len(valid.unusable)
+    if count > most * total:
+        fault = next(row for row in valid.rejected if row.reason != NO_ANSWER)
+        message = (
+            f"no answer of {count} of {total} participants can be used ({quoted(fault.value)}: {fault.reason}, ...); "
+            f"expected at most {100 * most:g} %, or more with --max-rejected"
+        )
+        raise SourceError(fault.file, message, fault.row)
 
 
 def _nothing_left(file: str, rejected: Sequence[Rejected], dropped: Counter[str]) -> SourceError:
@@ -191,26 +275,27 @@ def _nothing_left(file: str, rejected: Sequence[Rejected], dropped: Counter[str]
         return SourceError(file, f"no participant is left ({counts}); expected answers")
     if not rejected:
         return SourceError(file, "no answer in it; expected some")
-    first = next((item for item in rejected if item.row), rejected[0])  # a cell says more than a file passed over
+    first = next((item for item in rejected if item.row), rejected[0])  # a cell says more than a skipped file
     given = f"{quoted(first.value)} " if first.value else ""
     others = f" ({len(rejected)} cells or rows rejected)" if len(rejected) > 1 else ""
     return SourceError(first.file, f"{given}{first.reason}{others}; see emovid study columns", first.row, first.cell)
 
 
-def _check_columns(said: Mapping, files: Sequence[_Read]) -> None:
-    """Refuse a map whose columns no file has."""
-    names = [name for file in files for name in file.names]
+def _check_columns(said: ExportMap, files: Sequence[_File]) -> None:
+    """Raise SourceError if the map names columns that no file has."""
+    names = [name for file in files for name in (*file.table.names, *file.table.texts)]
     spelled = {plain(name) for name in names}
-    paths = [(("groups", group), title) for group, title in said.groups.items()]
+    paths: list[tuple[tuple[str, ...], str]] = [(("groups", group), title) for group, title in said.groups.items()]
     paths += [(("drop", title), title) for title in said.drop]
+    paths += [(("rows", "keep", title), title) for title in said.rows.keep]
+    paths += [(("rows", "leave_out", title), title) for title in said.rows.leave_out]
     for path, title in paths:
         if plain(title) not in spelled:
-            message = f"no file has the column {quoted(title)}{nearest(title, names)}; expected one that is there"
-            raise SourceError(said.places[path], message, 0, ".".join(path))
+            raise unknown_column(said, path, title, nearest(title, names))
 
 
 def _check_groups(known: Known, found: Sequence[str]) -> None:
-    """Refuse groups that are asked for and that no file has."""
+    """Raise SourceError if no file has a requested group."""
     for name in known.groups:
         if name not in found:
             message = f"no file has this group{nearest(name, found)}; expected {', '.join(found) or 'a column of it'}"

@@ -11,6 +11,14 @@ from emovid.csv_reader import Rejected
 
 # The order of the rows and columns of the paper's Table III.
 EMOTIONS = ("happiness", "surprise", "anger", "fear", "disgust", "sadness")
+# Columns of the table that our own survey exports: the first ones, and those that hold no groups of participants.
+SURVEY_COLUMNS = ("participant", "video", "position", "response")
+RECORDED = (
+    "first_response", "changes", "confidence", "valence", "arousal", "choices", "plays", "watched_share",
+    "shown_seconds", "played_seconds", "first_answer_seconds", "answer_seconds", "width", "height", "frames",
+    "dropped_frames", "ended_seconds", "stalls", "stalled_ms", "play_ms", "response_ms", "device",
+    "order_row", "consent_version", "status", "mode",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

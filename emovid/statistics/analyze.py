@@ -13,8 +13,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from emovid.report import apa
-from emovid.responses.dialects.people import MOST_LEVELS
 from emovid.responses.labels import NONE
+from emovid.responses.participants import MOST_LEVELS
 from emovid.responses.responses import Responses
 from emovid.statistics.circumplex import ANGLES, near_neighbours
 from emovid.statistics.confusion import percent

@@ -127,7 +127,9 @@ def test_an_app_of_several_rounds_without_videos_is_passed_over(tmp_path) -> Non
 
 def test_psiturk_s_debug_runs_and_broken_trials_alone_are_no_study(tmp_path) -> None:
     (tmp_path / "trialdata.csv").write_text('debugA:A,0,17,"{}"\nw:A,1,18,[1]\nw:A,2,19,{\n')
-    with pytest.raises(SourceError, match=r"trialdata.csv:2: 4: '\[1\]' no JSON object \(2 cells or rows rejected\)"):
+    with pytest.raises(
+        SourceError, match=r"trialdata.csv:2: 4: '\[1\]' not a JSON object \(2 cells or rows rejected\)"
+    ):
         read_responses(tmp_path / "trialdata.csv")
 
 
@@ -157,7 +159,8 @@ def test_surveymonkey_s_file_may_lack_its_second_header_or_every_row(tmp_path) -
         ("sender,sender_type,response\nQ,html.Form,fear\n", "no column of videos; expected one with the key's codes"),
         (
             "sender,sender_type,video\nQ,html.Form,z8r4\n",
-            "no column of answers beside the videos; expected one with labels",
+            "videos in 'video', but no column holds answers (happiness, surprise, anger, ...); expected map.yaml: "
+            "response: their column, and answers: the label of each cell, or other --labels",
         ),
     ],
 )

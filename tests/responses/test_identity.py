@@ -4,8 +4,8 @@ import pytest
 
 from emovid.errors import SourceError
 from emovid.responses.describe_columns import describe_columns
-from emovid.responses.dialects.people import PARTICIPANT
 from emovid.responses.labels import plain
+from emovid.responses.participants import PARTICIPANT
 from emovid.responses.read import read_responses
 from emovid.responses.responses import Responses
 from emovid.statistics.analyze import analyze
@@ -101,11 +101,14 @@ def test_the_map_that_is_offered_names_the_likely_column(read, refusal, tmp_path
     assert "no known column tells participants apart" in offered.problem
     roles = {column.name: column.role for column in offered.columns}
     assert roles == {"swarm": "video?", "felt": "answer?", "sure": "", "sex": "", "Code": "participant?", "mail": ""}
-    assert offered.map_yaml.startswith("participant: Code\nvideo: swarm\nresponse: felt\nanswers:\n")
+    assert offered.map_yaml.startswith(
+        "# To decide: no known column tells participants apart, and 'Code' or 'mail' may"
+    )
+    assert "\nparticipant: Code\nvideo: swarm\nresponse: felt\nanswers:\n" in offered.map_yaml
     assert len(read(rows, offered.map_yaml).participants) == 8
     (tmp_path / "map.yaml").write_text("participant: kode\n")
     wrong = describe_columns(tmp_path / "x.csv", tmp_path / "key.txt", tmp_path / "map.yaml")
-    assert wrong.problem == "no such column (did you mean Code?); expected those of the map's participant"
+    assert wrong.problem == "no such column (did you mean Code?); expected the one of the map's participant"
     assert not any(column.role == "participant?" for column in wrong.columns)
 
 
@@ -140,8 +143,12 @@ def test_a_column_of_sessions_that_many_share_names_nobody(read, refusal) -> Non
     rows = [[*row, "1" if i else "session"] for i, row in enumerate(long("Code"))]
     assert refusal(rows).startswith("x.csv:1: 'session' has many answers to one video, and 'Code' may; expected map.y")
     assert len(read(rows, "participant: Code\n").participants) == 8
-    alone = read([[*row[:2], row[-1]] for row in rows])
-    assert (len(alone.participants), len(alone.answers), len(alone.rejected)) == (1, 6, 42)
+    alone = [[*row[:2], row[-1]] for row in rows]
+    assert refusal(alone).startswith(
+        "x.csv:8: 42 of 48 answers repeat a participant's answer to a video; expected map.y"
+    )
+    first = read(alone, "repeats: first\n")
+    assert (len(first.participants), len(first.answers), len(first.rejected)) == (1, 6, 42)
 
 
 def test_a_table_of_one_person_s_answers_is_one_participant_s(read, tmp_path) -> None:
@@ -198,12 +205,13 @@ def test_the_map_names_the_columns_of_videos_and_answers(read, refusal) -> None:
     rows = [[row[0], "x" if i else "Antwort", *row[2:]] for i, row in enumerate(long("VP"))]
     assert refusal(rows) == (
         "x.csv:1: videos in 'swarm', but no column holds answers (happiness, surprise, anger, ...); expected map.yaml: "
-        "response: their column, and answers: what its cells mean, or other --labels"
+        "response: their column, and answers: the label of each cell, or other --labels"
     )
     assert len(read(rows, "response: Antwort\nanswers: {x: fear}\n").answers) == 48
     named = [[CODES.get(row[0][:4], row[0]), *row[1:]] for row in long("VP")]
     assert refusal(named) == (
-        "x.csv:1: 2 columns hold answers ('swarm' ...), none named by a code of the key; expected map.yaml: videos (or "
+        "x.csv:1: 2 columns hold answers ('swarm' ...), and none is named by a code of the key; expected map.yaml: "
+        "videos (or "
         "video and response, if each row is one answer)"
     )
     named[1:] = [[f"{row[0]}.mp4", *row[1:]] for row in named[1:]]
@@ -221,6 +229,6 @@ def test_a_form_that_was_sent_once_for_each_video_is_read_by_rows(read, refusal)
     found = read(rows, "video: swarm\n")
     assert (found.sources[0].dialect, found.counts().tolist()) == ("Google Forms", COUNTS)
     assert "told apart by 'Code'" in note_of(found)
-    assert "no column of answers found; expected map.yaml: response" in refusal(
+    assert "no column holds answers (happiness, surprise, anger, ...); expected map.yaml: response" in refusal(
         [[*row[:2], "?", *row[3:]] for row in rows], "video: swarm\n"
     )

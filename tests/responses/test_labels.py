@@ -73,8 +73,8 @@ def test_the_map_s_answers_come_first() -> None:
         (["joy"], {}, "labels: 1 given; expected 2 to 12"),
         ([f"l{i}" for i in range(13)], {}, "labels: 13 given; expected 2 to 12"),
         (["joy", "JOY "], {}, "labels: 'joy' is given twice; expected words"),
-        (["joy", "!"], {}, "labels: '!' is no word; expected words"),
-        (["joy", "fear"], {"1": "sad"}, "answers: 1: 'sad' is no label; expected joy, fear or none"),
+        (["joy", "!"], {}, "labels: '!' is not a word; expected words"),
+        (["joy", "fear"], {"1": "sad"}, "answers: 1: 'sad' is not a label; expected joy, fear or none"),
     ],
 )
 def test_labels_that_cannot_be_meant_are_refused(names, answers, message) -> None:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from emovid.errors import SourceError
 from emovid.responses.describe_columns import describe_columns
-from emovid.responses.mapping import KEYS
+from emovid.responses.mapping import ExportMap
 from emovid.responses.read import read_responses
 from tests.helpers.exports import EXPORTS, KEY
 
@@ -149,7 +149,7 @@ def test_any_list_of_trials(trials) -> None:
 
 
 @tolerant(50)
-@given(st.text(max_size=80) | st.sampled_from(KEYS).flatmap(
+@given(st.text(max_size=80) | st.sampled_from(list(ExportMap.model_fields)).flatmap(
     lambda key: json_values.map(lambda value: f"{key}: {value!r}")
 ))  # fmt: skip
 def test_any_map(mapping) -> None:

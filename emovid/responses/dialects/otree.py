@@ -1,4 +1,4 @@
-"""oTree: all apps side by side (`app.round.player.field`), or one app with a row for each player and round."""
+"""oTree: all apps in one row (`app.round.player.field`), or one app with a row for each player and round."""
 
 import re
 from dataclasses import replace
@@ -7,12 +7,11 @@ import numpy as np
 import pandas as pd
 
 from emovid.csv_reader import Table
-from emovid.responses.dialects.columns import below, column, says, video_column
-from emovid.responses.dialects.generic import read_wide
-from emovid.responses.dialects.parsed_export import Column, Known, Raw, numeric
-from emovid.responses.dialects.people import groups_of, joined, who
-from emovid.responses.dialects.trials import read_trials
-from emovid.responses.dialects.videos import video_columns
+from emovid.responses.columns import Format, column, video_column
+from emovid.responses.dialects.tables import is_mapped_wide, read_long, read_wide, video_columns
+from emovid.responses.exclusions import Marks, below, says
+from emovid.responses.parsed_export import Known, ParsedExport, numeric
+from emovid.responses.participants import groups_of, joined, who
 
 _CODE = "participant.code"
 _ROUND = "subsession.round_number"
@@ -20,16 +19,16 @@ _OWN = ("id_in_group", "role", "payoff")  # fields that every player has
 _FIELD = re.compile(r"(\w+)\.(\d+)\.player\.(\w+)")
 
 
-def recognises(table: Table, _: Known) -> bool:
+def recognizes(table: Table, _: Known) -> bool:
     """Return whether a table has the participants' codes."""
     return _CODE in table.names
 
 
-def read(table: Table, known: Known) -> Raw:
+def read(table: Table, known: Known) -> ParsedExport:
     """Read either export; bots, demonstrations and participants who did not reach the last page are left out."""
     table = _bare(table)
     for stacked in _stacked(table):
-        if known.mapping.videos or known.mapping.in_order or video_columns(table, known):
+        if is_mapped_wide(known) or video_columns(table, known):
             break
         if video_column(stacked, known) is not None:
             raw = _read_rounds(stacked, known)
@@ -39,27 +38,21 @@ def read(table: Table, known: Known) -> Raw:
     if _ROUND in table.names and video_column(table, known) is not None:
         return _read_rounds(table, known)
     names = tuple(table.names[place] for place in _tool(table))
-    return read_wide(table, known, _CODE, reasons=_reasons(table), skip=names)
+    return read_wide(table, known, _CODE, marks=_marks(table), skip=names)
 
 
-def _read_rounds(table: Table, known: Known) -> Raw:
-    def is_tool(name: str) -> bool:
-        return "." in name or name in _OWN
-
-    return read_trials(table, known, ids=(_CODE,), order=(_ROUND,), reasons=_reasons(table), is_tool=is_tool)
+def _read_rounds(table: Table, known: Known) -> ParsedExport:
+    form = Format(order=(_ROUND,), participants=(_CODE,), is_tool=lambda name: "." in name or name in _OWN)
+    return read_long(table, known, form, _marks, lambda rows, video, _: rows.cells[video] != "")
 
 
-def _reasons(table: Table) -> dict[str, Column]:
+def _marks(table: Table) -> Marks:
     reached, last = (column(table, f"participant.{name}") for name in ("_index_in_pages", "_max_page_index"))
-    reasons = {
-        "bot": says(table, ("1", "true"), "participant._is_bot"),
-        "test run": says(table, ("1", "true"), "session.is_demo"),
-        "partial": below(table, 1, "participant.visited"),
-    }
+    partial = below(table, 1, "participant.visited")
     if reached is not None and last is not None:
-        pages = [numeric(table.cells[place]) for place in (reached, last)]
-        reasons["partial"] |= pages[0] < pages[1]
-    return reasons
+        partial |= numeric(table.cells[reached]) < numeric(table.cells[last])
+    bot, demo = says(table, ("1", "true"), "participant._is_bot"), says(table, ("1", "true"), "session.is_demo")
+    return Marks({"bot": bot, "test run": demo, "partial": partial})
 
 
 def _bare(table: Table) -> Table:
@@ -74,7 +67,7 @@ def _tool(table: Table) -> list[int]:
 
 
 def _in_rounds(table: Table) -> list[int]:
-    """Return the fields of apps of several rounds: what differs between rounds is nothing about the participant."""
+    """Return the fields of apps of several rounds, which differ between rounds and so are no groups."""
     return [place for rounds in _apps(table) for fields in rounds.values() for place in fields.values()]
 
 
