@@ -14,11 +14,10 @@ from pydantic_core import PydanticCustomError
 
 from emovid.batch.job import Kind
 from emovid.errors import SourceError, nearest
-from emovid.scene.fields import Keys
 from emovid.scene.load import Setting, read_robot, scene_keys, shipped_names
 from emovid.scene.picture import read_pictures
 from emovid.scene.resources import CONFIGS, read_text
-from emovid.scene.validation_messages import source_error
+from emovid.yaml_models import Keys, source_error
 from emovid.yaml_source import KeyPath, Places, place_of, read_yaml
 
 _MAX_VALUES = 100_000

@@ -20,8 +20,8 @@ from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, load_scene, scene_digest
 from emovid.scene.model import Scene
 from emovid.scene.resources import STUDIES, read_text
-from emovid.scene.validation_messages import source_error
 from emovid.swarm.simulate import check_start
+from emovid.yaml_models import source_error
 from emovid.yaml_source import KeyPath, Places, place_of, read_yaml
 
 NAME = "study.yaml"

@@ -13,8 +13,7 @@ from emovid.errors import InputError, reason
 from emovid.kit.orders import Scheme
 from emovid.kit.study import Consent, Ethics, Question, Rating, Study, Thanks
 from emovid.kit.texts import Texts, in_language
-from emovid.scene.fields import Keys
-from emovid.scene.validation_messages import source_error
+from emovid.yaml_models import Keys, source_error
 
 
 class PublicVideo(Keys):

@@ -10,8 +10,9 @@ from emovid.kit.orders import Scheme
 from emovid.kit.texts import Language, Link, Name, Text, TextList, Texts
 from emovid.responses.labels import NONE, Labels, plain
 from emovid.responses.responses import RECORDED, SURVEY_COLUMNS
-from emovid.scene.fields import MAX_DURATION, Keys, inconsistent
+from emovid.scene.fields import MAX_DURATION
 from emovid.scene.video import MAX_FPS
+from emovid.yaml_models import Keys, inconsistent
 
 MAX_VIDEOS = 200
 _COMMON = ("video", "video.size", "video.fps", "video.format", "duration", "emotion")  # keys of the study itself

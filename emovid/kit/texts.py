@@ -9,7 +9,7 @@ import yaml
 from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
-from emovid.scene.fields import Keys
+from emovid.yaml_models import Keys
 
 Words = TypeVar("Words", bound=Keys)
 TRANSLATED = ("ar", "de", "es", "fr", "it", "ja", "pt", "zh")  # besides English

@@ -13,8 +13,7 @@ from emovid.csv_reader import read_bytes, utf8
 from emovid.errors import SourceError, quoted
 from emovid.responses.key import code_of
 from emovid.responses.responses import Repeats
-from emovid.scene.fields import Keys, inconsistent
-from emovid.scene.validation_messages import source_error
+from emovid.yaml_models import Keys, inconsistent, source_error
 from emovid.yaml_source import KeyPath, Places, read_yaml
 
 EACH_ROW = "each row"  # value of `participant` if every row belongs to another participant

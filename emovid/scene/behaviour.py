@@ -4,7 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from emovid.scene.fields import MAX_LENGTH, ORIGIN, Keys, Length, Point
+from emovid.scene.fields import MAX_LENGTH, ORIGIN, Length, Point
+from emovid.yaml_models import Keys
 
 MAX_PARTS = 64
 

@@ -3,8 +3,9 @@
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
-from pydantic_core import PydanticCustomError
+from pydantic import Field
+
+from emovid.yaml_models import Keys
 
 # Larger numbers are typing errors: a stage of a football pitch, a run of more than a day.
 MAX_LENGTH = 100.0  # m
@@ -16,13 +17,6 @@ Coordinate = Annotated[float, Field(ge=-MAX_LENGTH, le=MAX_LENGTH)]
 Colour = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
 
 
-class Keys(BaseModel):
-    """A group of keys: other keys are invalid, and values cannot change."""
-
-    # Strict: "15" in quotes is text, and true is not a number. Whole numbers are valid real numbers.
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
-
-
 class Point(Keys):
     """A point on the stage."""
 
@@ -31,11 +25,6 @@ class Point(Keys):
 
 
 ORIGIN = Point(x=0.0, y=0.0)
-
-
-def inconsistent(key: str, message: str) -> PydanticCustomError:
-    """Return the error that a validator raises for an inconsistent value of a dotted key inside its group."""
-    return PydanticCustomError("inconsistent", "{message}", {"key": key, "message": message})
 
 
 def least(bound: float) -> str:

@@ -21,7 +21,7 @@ from emovid.scene.model import Scene
 from emovid.scene.picture import read_pictures
 from emovid.scene.resources import CONFIGS, read_text
 from emovid.scene.robots import Body, schema_with
-from emovid.scene.validation_messages import source_error
+from emovid.yaml_models import source_error
 from emovid.yaml_source import KeyPath, Places, key_path, place_of, read_yaml
 
 _ROBOTS = CONFIGS / "robots"
@@ -189,7 +189,7 @@ def scene_of(keys: dict[str, Any], known: Places, settings: Iterable[Setting] = 
     try:
         scene = Scene.model_validate(data)
     except ValidationError as error:
-        raise source_error(error, places) from None
+        raise source_error(error, places, Scene) from None
     scene.remember(places)
     return scene
 

@@ -24,11 +24,12 @@ from emovid.scene.behaviour import (
     Sum,
 )
 from emovid.scene.emotions import EMOTIONS, EmotionName
-from emovid.scene.fields import MAX_DURATION, MAX_ROBOTS, Keys, Point, inconsistent, least, most
+from emovid.scene.fields import MAX_DURATION, MAX_ROBOTS, Point, least, most
 from emovid.scene.picture import picture_of
 from emovid.scene.robots import MAX_PERIOD, MIN_L, Barrier, Limits, NoSafety, Robot, Safety
 from emovid.scene.stage import AtPoses, AtRandom, InRegion, OnContour, Stage, Start
 from emovid.scene.video import MAX_GIF_FPS, MAX_SIDE, MIN_SIDE, Video, view_faults
+from emovid.yaml_models import Keys, inconsistent
 from emovid.yaml_source import Places, key_path, place_of
 
 MAX_POSES = 200_000_000  # robots times control periods held in memory: 24 h of 77 robots at 30 Hz

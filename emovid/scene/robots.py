@@ -8,7 +8,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from emovid.scene.fields import MAX_LENGTH, Keys, Length, inconsistent, most
+from emovid.scene.fields import MAX_LENGTH, Length, most
+from emovid.yaml_models import Keys, inconsistent
 
 MIN_L = 1e-6  # m; a robot with a shorter look-ahead only spins
 MAX_CORNERS = 256

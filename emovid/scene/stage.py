@@ -12,7 +12,8 @@ from typing import Annotated, Any, Literal, NamedTuple
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from emovid.errors import nearest
-from emovid.scene.fields import MAX_LENGTH, ORIGIN, Keys, Length, Point, inconsistent
+from emovid.scene.fields import MAX_LENGTH, ORIGIN, Length, Point
+from emovid.yaml_models import Keys, inconsistent
 
 Corner = tuple[float, float]
 Outline = tuple[Corner, ...]

@@ -10,8 +10,9 @@ from typing import Annotated, Literal, NamedTuple
 
 from pydantic import Field
 
-from emovid.scene.fields import MAX_DURATION, MAX_LENGTH, MAX_ROBOTS, Colour, Keys, Length
+from emovid.scene.fields import MAX_DURATION, MAX_LENGTH, MAX_ROBOTS, Colour, Length
 from emovid.scene.stage import Stage
+from emovid.yaml_models import Keys
 
 MAX_FPS = 240
 MAX_GIF_FPS = 50  # browsers show a faster GIF at 10 frames a second

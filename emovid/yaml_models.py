@@ -1,14 +1,14 @@
-"""One-line messages for the author of a scene, from the errors of pydantic."""
+"""Models of YAML files: groups of keys that pydantic validates, and one-line messages from its errors."""
 
 from collections.abc import Mapping
 from types import NoneType
 from typing import Any, Literal, get_args, get_origin
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic.fields import FieldInfo
+from pydantic_core import PydanticCustomError
 
 from emovid.errors import SourceError, nearest
-from emovid.scene.model import Scene
 from emovid.yaml_source import KeyPath, Places, key_path, place_of
 
 _BOUNDS = {
@@ -35,7 +35,19 @@ _KINDS = {
 }
 
 
-def source_error(error: ValidationError, places: Places, root: type[BaseModel] = Scene) -> SourceError:
+class Keys(BaseModel):
+    """A group of keys: other keys are invalid, and values cannot change."""
+
+    # Strict: "15" in quotes is text, and true is not a number. Whole numbers are valid real numbers.
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+def inconsistent(key: str, message: str) -> PydanticCustomError:
+    """Return the error that a validator raises for an inconsistent value of a dotted key inside its group."""
+    return PydanticCustomError("inconsistent", "{message}", {"key": key, "message": message})
+
+
+def source_error(error: ValidationError, places: Places, root: type[BaseModel]) -> SourceError:
     """Return the first problem, by its line in the file, as a `SourceError`.
 
     Args:
@@ -60,7 +72,7 @@ def _line(where: str) -> int:
 
 
 def _problem(item: Mapping[str, Any], root: type[BaseModel]) -> tuple[KeyPath, str]:
-    """Return the path in the scene and the message of one pydantic error."""
+    """Return the path of the key and the message of one pydantic error."""
     kind, given, context = item["type"], item["input"], item.get("ctx", {})
     path = _walk(item["loc"], root)[0]
     if kind == "inconsistent":
