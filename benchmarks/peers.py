@@ -50,7 +50,7 @@ figure = Figure(figsize=(12.8, 7.2), dpi=100, facecolor=colours.surround)
 axes = figure.add_axes((0, 0, 1, 1), xlim=(-0.765, 0.765), ylim=(-0.43, 0.43))
 axes.set_axis_off()
 axes.add_patch(Rectangle((-0.6, -0.4), 1.2, 0.8, facecolor=colours.stage, edgecolor=colours.boundary, lw=2))
-trailed = trailed_robots(scene.robots, video.trails.robots).tolist()
+trailed = trailed_robots(run.poses[0], video.trails.robots).tolist()
 lines = [axes.plot([], [], color=colour, lw=2.4)[0] for colour in colours.trails]
 parts = {"rim": robot_rim(scene.robot.body, 0.0012), **robot_parts(scene.robot.body)}
 robots = []

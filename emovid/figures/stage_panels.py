@@ -133,7 +133,7 @@ def draw_trails(axes: Axes, trajectory: Trajectory, until: float, camera: Pinhol
     """Draw the trails as they are at the time `until` [s], from above or as a camera sees them."""
     trails, colours = trajectory.scene.video.trails, print_colours(trajectory.scene).trails
     since = 0.0 if trails.seconds is None else max(until - trails.seconds, 0.0)
-    robots, point = trailed_robots(trajectory.scene.robots, trails.robots), scale_of(axes)
+    robots, point = trailed_robots(trajectory.poses[0], trails.robots), scale_of(axes)
     tolerance = _FLATNESS / point / (camera.max_scale if camera else 1)
     pieces = trail_pieces(trajectory, robots.tolist(), since, until, tolerance)
     kinds = [colours[i % len(robots) % len(colours)] for i in range(len(pieces))]
@@ -174,7 +174,7 @@ def draw_robots(axes: Axes, body: Body, poses: Array, bodies: Sequence[str], col
 def draw_swarm(axes: Axes, trajectory: Trajectory, t: float, camera: PinholeCamera | None = None) -> None:
     """Draw all robots at the time `t` [s] in the colours of their trails, from above or as a camera sees them."""
     scene, poses = trajectory.scene, trajectory.at(np.array([t]))[0]
-    colours, bodies = print_colours(scene), body_colours(scene)
+    colours, bodies = print_colours(scene), body_colours(trajectory)
     if camera is None:
         draw_robots(axes, scene.robot.body, poses, bodies, colours)
     else:
@@ -188,11 +188,12 @@ def print_colours(scene: Scene) -> Colours:
     return scene.video.colours.over(PAPER if scene.video.theme == "light" else THEMES[scene.video.theme])
 
 
-def body_colours(scene: Scene) -> list[str]:
+def body_colours(trajectory: Trajectory) -> list[str]:
     """Return the colour of each robot's body: that of its trail, if it leaves one."""
+    scene = trajectory.scene
     colours = print_colours(scene)
     bodies = [colours.body] * scene.robots
-    for i, robot in enumerate(trailed_robots(scene.robots, scene.video.trails.robots)):
+    for i, robot in enumerate(trailed_robots(trajectory.poses[0], scene.video.trails.robots)):
         bodies[robot] = colours.trails[i % len(colours.trails)]
     return bodies
 

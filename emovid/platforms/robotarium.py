@@ -154,7 +154,7 @@ def robotarium_script(scene: Scene, name: str, arena: Arena, *, trails: bool = F
     parts = {"header": _header(scene, name, arena)}
     constants = _common(scene, poses, arena)
     if trails:
-        constants.append(_trails(scene))
+        constants.append(_trails(scene, poses))
     if isinstance(law, Coverage):
         constants += _coverage(scene, law)
         parts["phi"] = indent(f"return {density_source(law.density, scene.stage).expression}", "    ")
@@ -270,9 +270,9 @@ def _parked(poses: Array, arena: Arena) -> Array:
     return np.column_stack([points + away, heading])
 
 
-def _trails(scene: Scene) -> str:
+def _trails(scene: Scene, poses: Array) -> str:
     colours = scene.video.palette.trails
-    robots = trailed_robots(scene.robots, scene.video.trails.robots).tolist()
+    robots = trailed_robots(poses, scene.video.trails.robots).tolist()
     listed = ", ".join(f'{robot}: "{colours[i % len(colours)]}"' for i, robot in enumerate(robots))
     return f"TRAILS = {{{listed}}}  # robots that leave one, and their colours"
 

@@ -37,12 +37,15 @@ class CircularSinusoid(ContourKeys):
 
 
 class ExpandingCircle(ContourKeys):
-    """Surprise, Appendix A: R(t) = mod(expansion_rate t, R_max - R_min) + R_min."""
+    """Surprise, Appendix A: R(t) = mod(expansion_rate t, R_max - R_min) + R_min, with a smooth return by choice."""
 
     shape: Literal["expanding_circle"] = Field(description="a circle that grows from R_min to R_max, again and again")
     R_min: Length = Field(description="radius at the start [m]")
     R_max: Length = Field(description="radius at which it starts again [m], above R_min")
     expansion_rate: Annotated[float, Field(gt=0, le=100)] = Field(description="growth of the radius [m/s]")
+    return_time: Annotated[float, Field(gt=0, le=1000)] | None = Field(
+        None, description="time of a smooth return to R_min [s], half a cosine; null: at once, the paper's mod"
+    )
 
     @property
     def extent(self) -> float:

@@ -253,6 +253,11 @@ class OnContour(Keys):
     """A start for laws that follow a contour."""
 
     place: Literal["contour"] = Field(description="spread evenly along the contour at t = 0, heading along it")
+    settled: bool = Field(
+        False,
+        description="whether they start as far behind the points that they follow as they stay later; false: on the "
+        "contour itself",
+    )
 
 
 class AtRandom(Keys):

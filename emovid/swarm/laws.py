@@ -5,11 +5,13 @@ cell under a density. Centroids are exact to a millionth of the density's scale,
 cells tile the stage to rounding (tested against `scipy.integrate.dblquad`, clipped polygons and closed forms).
 """
 
+from math import cos, pi
+
 import numpy as np
 
 from emovid.scene.behaviour import Circle, CircularSinusoid, Contour, Coverage, ExpandingCircle
 from emovid.scene.stage import Stage
-from emovid.swarm.arrays import Array
+from emovid.swarm.arrays import Array, Complex
 from emovid.swarm.densities import Density, density_of
 from emovid.swarm.line_integrals import line_integrals
 from emovid.swarm.quadrature import mass_and_moment, polar_moment
@@ -28,16 +30,51 @@ def radius(contour: Contour, theta: Array, t: float) -> Array:
 
     Circular sinusoid: R + A sin(f theta). Expanding circle: mod(c t, R_max - R_min) + R_min with c the expansion rate;
     the paper prints c = 1 m/s, which would cross its stage in under a second, and then a controller that holds R(0)
-    throughout. Its text and figure show a radius that grows, so this one does; the mod makes it restart at R_min.
+    throughout. Its text and figure show a radius that grows, so this one does; the mod makes it restart at R_min. That
+    jump makes all robots reverse and hook, while the paper calls surprise smooth: with a `return_time`, the radius
+    returns as half a cosine instead.
     """
     match contour:
         case CircularSinusoid():
             return contour.R + contour.A * np.sin(contour.f * theta)
         case ExpandingCircle():
-            grown = np.mod(contour.expansion_rate * t, contour.R_max - contour.R_min)
-            return np.full_like(theta, grown + contour.R_min)
+            return np.full_like(theta, expanding_radius(contour, t))
         case Circle():  # pragma: no branch - there is no other
             return np.full_like(theta, contour.R)
+
+
+def expanding_radius(contour: ExpandingCircle, t: float) -> float:
+    """Return the radius [m] of an expanding circle at time `t` [s]."""
+    growth = contour.R_max - contour.R_min
+    expansion, back = growth / contour.expansion_rate, contour.return_time or 0.0
+    phase = t % (expansion + back)
+    if phase < expansion or not back:
+        return contour.R_min + min(contour.expansion_rate * phase, growth)
+    return contour.R_min + growth * (1 + cos(pi * (phase - expansion) / back)) / 2
+
+
+def settled_points(contour: Contour, theta_0: Array, K: float) -> Array:
+    """Return the positions (N, 2) [m] at t = 0 of points that have followed the contour with the gain `K` for long.
+
+    A point that obeys p' = K (x - p) follows each harmonic exp(i n w t) of x by the factor K / (K + i n w). An
+    expanding circle counts as if it had always grown.
+    """
+    w = contour.angular_rate
+
+    def followed(harmonic: Complex, n: float) -> Complex:
+        return harmonic * K / (K + 1j * n * w)
+
+    turn: Complex = np.exp(1j * theta_0)
+    match contour:
+        case CircularSinusoid():
+            ripple = contour.A / 2j * np.exp(1j * contour.f * theta_0)
+            place = followed(contour.R * turn, 1) + followed(ripple * turn, contour.f + 1)
+            place = place + followed(ripple.conj() * turn, 1 - contour.f)
+        case ExpandingCircle():
+            place = followed(contour.R_min * turn, 1) - contour.expansion_rate * turn * K / (K + 1j * w) ** 2
+        case Circle():  # pragma: no branch - there is no other
+            place = followed(contour.R * turn, 1)
+    return np.stack([contour.centre.x + place.real, contour.centre.y + place.imag], axis=-1)
 
 
 def followed_points(contour: Contour, theta_0: Array, t: float) -> Array:

@@ -10,8 +10,8 @@ from emovid.scene.robots import Barrier, spacing_of
 from emovid.scene.stage import AtPoses, InRegion, InStage, OnContour, Rectangle
 from emovid.swarm.arrays import Array
 from emovid.swarm.clearance import room_on_stage
-from emovid.swarm.laws import followed_points, start_angles, start_headings
-from emovid.swarm.unicycle import look_ahead
+from emovid.swarm.laws import followed_points, settled_points, start_angles, start_headings
+from emovid.swarm.unicycle import look_ahead, wrapped
 from emovid.swarm.voronoi import pairs_within
 
 # Trial points on the stage for each robot before giving up: random discs cover at most 54.7 % of the plane, and
@@ -34,6 +34,7 @@ def start_poses(scene: Scene, rng: np.random.Generator) -> Array:
             poses = _at_random(scene, scene.start, rng)
         case AtPoses():  # pragma: no branch - there is no other
             poses = np.array([[pose.x, pose.y, pose.heading] for pose in scene.start.poses])
+    poses[:, 2] = wrapped(poses[:, 2])
     _check_stage(scene, poses)
     _check_spacing(scene, poses)
     return poses
@@ -48,9 +49,12 @@ def _on_contour(scene: Scene) -> Array:
     assert not isinstance(contour, Coverage)  # a valid scene has a contour to start on
     theta_0 = start_angles(scene.robots)
     heading = start_headings(contour, theta_0)
+    points = followed_points(contour, theta_0, 0.0)
+    if isinstance(scene.start, OnContour) and scene.start.settled:
+        ahead = points - (points := settled_points(contour, theta_0, scene.robot.K))
+        heading = np.where((ahead != 0).any(axis=1), np.arctan2(ahead[:, 1], ahead[:, 0]), heading)
     behind = scene.robot.l if scene.robot.body.steers and scene.robot.l else 0.0
-    points = followed_points(contour, theta_0, 0.0) - behind * np.stack([np.cos(heading), np.sin(heading)], axis=-1)
-    return np.column_stack([points, heading])
+    return np.column_stack([points - behind * np.stack([np.cos(heading), np.sin(heading)], axis=-1), heading])
 
 
 def _at_random(scene: Scene, start: InStage | InRegion, rng: np.random.Generator) -> Array:

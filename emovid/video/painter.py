@@ -47,7 +47,7 @@ class Painter:
         self.trajectory, self.video = trajectory, video or scene.video
         self._scene, self._colours = scene, self.video.palette
         self._canvas = Canvas(self.video.width, self.video.height, self._colours.surround)
-        trailed = trailed_robots(scene.robots, self.video.trails.robots)
+        trailed = trailed_robots(trajectory.poses[0], self.video.trails.robots)
         self._shades = self._fading_colours(len(trailed))
         bodies = np.tile(to_rgba(self._colours.body), (scene.robots, 1))
         bodies[trailed] = self._shades[-1]

@@ -63,10 +63,26 @@ class Trails:
         return made
 
 
-def trailed_robots(robots: int, trails: int | None) -> Indices:
-    """Return the robots that leave a trail: `trails` of them, evenly spread through the swarm; all for None."""
-    count = robots if trails is None else min(robots, trails)
-    return np.arange(count) * robots // max(count, 1)
+def trailed_robots(start: Array, trails: int | None) -> Indices:
+    """Return the robots that leave a trail: `trails` of them, spread around the swarm at its start; all for None.
+
+    Robots whose direction from the middle of the swarm is nearest to even angles, the first of them that of robot 0: a
+    choice by number would bunch where robots start at random.
+
+    Args:
+        start: positions or poses (N, 2 or more) [m] at the start.
+        trails: number of trails.
+    """
+    if trails is None or trails >= len(start):
+        return np.arange(len(start))
+    x, y = (start[:, :2] - start[:, :2].mean(axis=0)).T
+    angles = np.arctan2(y, x)
+    chosen: list[int] = []
+    for target in angles[0] + 2 * np.pi * np.arange(trails) / trails:
+        off = np.abs(np.angle(np.exp(1j * (angles - target)))).round(9)
+        off[chosen] = np.inf
+        chosen.append(int(off.argmin()))
+    return np.array(chosen, dtype=np.intp)
 
 
 def piece_times(since: float, until: float) -> list[float]:

@@ -53,7 +53,7 @@ def test_every_robot_is_drawn_where_it_is_and_heads_where_it_does(run) -> None:
 def test_five_robots_have_trails_from_their_starts_to_where_they_are(run) -> None:
     figure = frames_figure(run, TIMES)
     assert trails(figure.axes[0]) == []
-    robots = trailed_robots(15, 5)
+    robots = trailed_robots(run.poses[0], 5)
     for axes, t in list(zip(figure.axes, TIMES, strict=True))[1:]:
         lines = trails(axes)
         pieces = len(lines) // 5
@@ -87,7 +87,9 @@ def test_robots_have_the_colours_of_their_trails(run) -> None:
     axes = frames_figure(run, TIMES).axes[-1]
     bodies = [to_hex(colour) for colour in part(axes, "body").get_facecolor()]
     (lines,) = [drawn for drawn in axes.collections if isinstance(drawn, LineCollection)]
-    assert [to_hex(colour) for colour in lines.get_colors()[:5]] == [bodies[robot] for robot in trailed_robots(15, 5)]
+    assert [to_hex(colour) for colour in lines.get_colors()[:5]] == [
+        bodies[robot] for robot in trailed_robots(run.poses[0], 5)
+    ]
     assert len(set(bodies)) == 6
 
 

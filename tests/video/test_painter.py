@@ -2,6 +2,8 @@ import signal
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from matplotlib.colors import to_rgb
 
 from emovid.scene.emotions import EMOTIONS
@@ -143,10 +145,27 @@ def test_a_stage_of_any_shape_is_drawn_with_its_edge_and_what_is_around_it(make_
 
 
 @pytest.mark.parametrize(
-    ("robots", "trails", "expected"), [(15, 5, [0, 3, 6, 9, 12]), (3, 5, [0, 1, 2]), (4, 0, []), (12, 4, [0, 3, 6, 9])]
+    ("robots", "trails", "expected"),
+    [(15, 5, [0, 3, 6, 9, 12]), (3, 5, [0, 1, 2]), (4, 0, []), (12, 4, [0, 3, 6, 9]), (7, None, list(range(7)))],
 )
-def test_trails_are_evenly_spread_through_the_swarm(robots, trails, expected) -> None:
-    assert trailed_robots(robots, trails).tolist() == expected
+def test_trails_are_evenly_spread_around_a_ring(robots, trails, expected) -> None:
+    angles = 0.3 + 2 * np.pi * np.arange(robots) / robots
+    assert trailed_robots(np.column_stack([np.cos(angles), np.sin(angles)]), trails).tolist() == expected
+
+
+@given(robots=st.integers(1, 30), trails=st.integers(1, 8), seed=st.integers(0, 1000))
+def test_trails_are_spread_over_a_random_swarm(robots, trails, seed) -> None:
+    poses = np.random.default_rng(seed).uniform(-1, 1, (robots, 3))
+    chosen = trailed_robots(poses, trails).tolist()
+    assert len(set(chosen)) == min(robots, trails)
+
+
+def test_trails_do_not_bunch_where_robots_start_at_random() -> None:
+    for seed in range(50):
+        poses = np.random.default_rng(seed).uniform([-0.6, -0.4], [0.6, 0.4], (15, 2))
+        x, y = (poses - poses.mean(axis=0))[trailed_robots(poses, 5)].T
+        angles = np.sort(np.arctan2(y, x))
+        assert np.diff(np.append(angles, angles[0] + 2 * np.pi)).max() < np.radians(72 + 2 * 45)
 
 
 @pytest.mark.parametrize("emotion", EMOTIONS)
@@ -204,10 +223,6 @@ def test_a_trail_fades_towards_its_old_end(make_scene) -> None:
         shades.append(frame[int(720 - y) - 1 : int(720 - y) + 2, int(x) - 1 : int(x) + 2].max())
     whole = np.abs(np.array([0x16, 0x84, 0xEA]) - BACK).sum()
     assert shades == pytest.approx([whole * (1 - age / 2) for age in (0.4, 0.8, 1.2, 1.6)], abs=0.07 * whole)
-
-
-def test_all_robots_can_leave_a_trail() -> None:
-    assert trailed_robots(7, None).tolist() == list(range(7))
 
 
 def test_what_lies_below_does_not_shine_through_the_edge_of_a_robot(make_scene) -> None:

@@ -5,7 +5,6 @@ import pytest
 
 from emovid.scene.robots import Body
 from emovid.video.robots import robot_parts, robot_rim
-from emovid.video.trails import trailed_robots
 
 ARROW = [[0.03, 0.0], [-0.02, 0.02], [-0.01, 0.0], [-0.02, -0.02]]
 
@@ -28,11 +27,3 @@ def test_all_outlines_run_one_way_round_however_corners_are_listed(corners) -> N
         assert len(rings) == count
         assert all(doubled_area(ring) > 0 for ring in rings)  # else two that overlap would leave a hole
     assert doubled_area(outline.to_polygons()[0]) == pytest.approx(abs(doubled_area(np.array(ARROW))))
-
-
-@pytest.mark.parametrize(
-    ("robots", "trails", "expected"),
-    [(15, 5, [0, 3, 6, 9, 12]), (3, None, [0, 1, 2]), (3, 5, [0, 1, 2]), (3, 0, []), (7, 2, [0, 3])],
-)
-def test_trails_are_spread_evenly_through_the_swarm(robots, trails, expected) -> None:
-    assert trailed_robots(robots, trails).tolist() == expected
