@@ -315,7 +315,7 @@ def test_the_preregistration_says_what_the_kit_knows(greek) -> None:
         assert said in text
     assert greek.manifest.key_commitment in text
     assert not [code for code in greek.manifest.codes if code in text]
-    assert text.count(OPEN) == 8  # its explanation, purpose, blinding, existing data (2), procedures, stopping, ratings
+    assert text.count(OPEN) == 9  # explanation, purpose, blinding, existing data (2), N, procedures, stopping, ratings
 
 
 def test_exemplars_of_an_emotion_are_one_test_of_the_plan_and_of_the_preregistration(tmp_path) -> None:
