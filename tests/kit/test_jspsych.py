@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import tarfile
 import threading
+from contextlib import contextmanager
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from emovid.kit.audit import audit
 from emovid.kit.export import export
 from emovid.kit.exports.jspsych import RELEASE
 from emovid.kit.folder import Kit, open_kit
-from tests.helpers.tiny import LABELS, STUDY, make_kit
+from tests.helpers.tiny import LABELS, STUDY, make_kit, make_kit_of_placeholders
 
 CONFIDENCE = "ratings: {confidence: {question: How sure are you, low: not at all, high: completely, steps: 7}}\n"
 
@@ -58,11 +59,9 @@ def exported(tmp_path_factory) -> Kit:
     return kit
 
 
-@pytest.fixture(scope="module")
-def address(exported, jspsych_files):
-    """Serve the export with jsPsych beside it."""
-    folder = exported.folder.exports / "jspsych"
-    shutil.copytree(jspsych_files, folder / "jspsych")
+@contextmanager
+def served(folder: Path):
+    """Serve a folder, and yield the address of its page."""
 
     class Handler(SimpleHTTPRequestHandler):
         def __init__(self, *arguments, **options) -> None:
@@ -75,6 +74,15 @@ def address(exported, jspsych_files):
         threading.Thread(target=server.serve_forever, daemon=True).start()
         yield f"http://127.0.0.1:{server.server_port}/index.html"
         server.shutdown()
+
+
+@pytest.fixture(scope="module")
+def address(exported, jspsych_files):
+    """Serve the export with jsPsych beside it."""
+    folder = exported.folder.exports / "jspsych"
+    shutil.copytree(jspsych_files, folder / "jspsych")
+    with served(folder) as place:
+        yield place
 
 
 @pytest.fixture
@@ -152,6 +160,30 @@ def test_a_video_cannot_be_skipped(address, page) -> None:
     page.evaluate("document.querySelector('video').playbackRate = 16")
     page.get_by_role("button", name="Watch again").wait_for()
     assert page.evaluate("document.querySelector('video').playbackRate") == 1
+
+
+def test_only_the_videos_of_the_participant_are_loaded(jspsych_files, page, tmp_path) -> None:
+    text = STUDY + "exemplars: 2\norders: {shown: one_of_each}\n"
+    kit = make_kit_of_placeholders(tmp_path, text)
+    folder = kit.folder.exports / "jspsych"
+    export(kit, "jspsych")
+    shutil.copytree(jspsych_files, folder / "jspsych")
+    asked = []
+    page.on("request", lambda request: asked.append(request.url))
+    with served(folder) as place:
+        page.goto(f"{place}?participant=P002")
+        page.get_by_role("button", name="I agree and want to take part").wait_for()
+    loaded = {Path(address).stem for address in asked if address.endswith(".mp4")}
+    assert loaded == set(kit.orders["P002"])
+    assert len(kit.manifest.codes) == 12
+
+
+def test_the_page_works_when_it_is_opened_as_a_file(exported, address, page) -> None:
+    begin(page, (exported.folder.exports / "jspsych" / "index.html").as_uri(), "P004")
+    page.get_by_role("button", name="Play the video").click()
+    page.get_by_role("button", name="Watch again").wait_for()
+    page.get_by_label("Fear").check()
+    assert page.get_by_label("Fear").is_checked()
 
 
 def test_who_does_not_agree_sees_no_video_and_leaves_no_data(address, page) -> None:

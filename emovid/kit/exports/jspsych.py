@@ -33,11 +33,9 @@ def jspsych(kit: Kit) -> Files:
     manifest = kit.manifest
     public = manifest.model_dump(mode="json", include=set(_SHOWN))
     shown = {"choice_orders": kit.choices} | {key: public[key] for key in _SHOWN}
-    # Preload list and orders come last, far from the labels, so that no label is near a code.
+    # Codes come last, far from the labels, and first in an order that says nothing.
     shown |= {"preload": [video.file for video in manifest.videos], "orders": kit.orders}
-    text = json.dumps(shown, ensure_ascii=False).replace(
-        "<", r"\u003c"
-    )  # a text of the study cannot end the script element
+    text = json.dumps(shown, ensure_ascii=False).replace("<", r"\u003c")  # no text can end the script element
     fields = {"language": manifest.language, "title": html.escape(manifest.title), "kit": text}
     return {
         "index.html": template("index.html", **fields),

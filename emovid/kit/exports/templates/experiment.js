@@ -1,12 +1,12 @@
 "use strict";
-/* The procedure of the study, as trials of jsPsych: consent, questions about the participant, instructions, the videos
-   in the participant's order, and the end. A video is watched to its end before it can be answered, and again as often
-   as wished. jsPsych has no way back to an earlier trial. Everything said is in the page's "kit". */
+/* The procedure of the study as trials of jsPsych: consent, questions about the participant, instructions, the videos in
+   the participant's order, and the last page. Participants must watch a video to its end before they answer, and can
+   repeat it. jsPsych cannot return to an earlier trial. All texts and orders are in the element "kit" of the page. */
 
 const KIT = JSON.parse(document.getElementById("kit").textContent);
 const TEXTS = KIT.texts;
 
-/** What the answers are kept with: change this function to send them to a server instead. */
+/** Offers the answers for download; change this function to send them to a server instead. */
 function save(csv, name) {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(new Blob([csv], { type: "text/csv" }));
@@ -24,7 +24,8 @@ function paragraphs(text) {
   return text.trim().split(/\n\s*\n/).map((part) => `<p>${escaped(part)}</p>`).join("");
 }
 
-/** The participant and the row of the orders: both from ?participant=..., else an id that a service gives or chance. */
+/** Returns the participant and the row of the orders, both from ?participant=...; without it, an id of a recruitment
+    service or a random one, and a random row. */
 function participant() {
   const given = new URLSearchParams(window.location.search);
   const rows = Object.keys(KIT.orders);
@@ -34,7 +35,7 @@ function participant() {
   return { name, row: rows.includes(asked) ? asked : rows[chance] };
 }
 
-/** Shows one video, and the question about it once it has been watched. */
+/** Shows one video, and enables the question about it after the end of the video. */
 class VideoQuestion {
   static info = {
     name: "emovid-video-question",
@@ -99,7 +100,7 @@ class VideoQuestion {
       if (!video.ended && !document.hidden) video.play().catch(stop);
     });
     const hidden = () => {
-      if (document.hidden && !video.ended) [video.pause(), stop()]; // what is not seen is watched from the beginning
+      if (document.hidden && !video.ended) [video.pause(), stop()]; // restart what was hidden
     };
     document.addEventListener("visibilitychange", hidden);
     video.addEventListener("error", () => { note.textContent = TEXTS.load_error; });
@@ -190,8 +191,9 @@ function thanks(csv, name) {
   content.querySelector("#save").addEventListener("click", () => save(csv, name));
 }
 
+const file = (code) => `videos/${code}.mp4`;
 const me = participant();
-const leaving = (event) => event.preventDefault(); // the answers are lost with the page
+const leaving = (event) => event.preventDefault(); // leaving the page loses the answers
 const jsPsych = initJsPsych({
   show_progress_bar: true,
   message_progress_bar: escaped(TEXTS.progress),
@@ -213,7 +215,7 @@ const screen = (text, ...buttons) => ({
 const timeline = [];
 timeline.push({
   type: jsPsychPreload,
-  video: KIT.preload,
+  video: KIT.preload.filter((name) => KIT.orders[me.row].map(file).includes(name)), // those of this participant
   message: paragraphs(TEXTS.loading),
   error_message: paragraphs(TEXTS.load_error),
 });
@@ -233,6 +235,6 @@ const labels = KIT.choices.labels;
 const drawn = KIT.choice_orders[me.row];
 const choices = drawn ? drawn.map((label) => labels.find((answer) => answer.label === label)) : labels;
 KIT.orders[me.row].forEach((code, i) => {
-  timeline.push({ type: VideoQuestion, code, file: `videos/${code}.mp4`, choices, place: i + 1 });
+  timeline.push({ type: VideoQuestion, code, file: file(code), choices, place: i + 1 });
 });
 jsPsych.run(timeline);
