@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from emovid.csv_reader import Table
 from emovid.errors import SourceError, quoted
-from emovid.responses.columns import POSITION, TRUTH, column, named
+from emovid.responses.columns import POSITION, TRUTH, column, is_named, named
 from emovid.responses.exclusions import Mask, dropped_by_map
 from emovid.responses.labels import number, plain
 from emovid.responses.mapping import EACH_FILE, EACH_ROW
@@ -90,6 +90,8 @@ def who(table: Table, known: Known, *names: str, by_file: bool = False) -> Peopl
     said = known.mapping.participant
     stated = said in (EACH_ROW, EACH_FILE) and column(table, said) is None
     place = named(table, said, "participant") if said and not stated else None if said else _filled(table, names)
+    if place is not None and not said and by_file and _is_in_several_files(table, place):
+        place = None
     if place is not None:
         _check_ids(table, place)
         return People(table.cells[place], place, {})
@@ -103,6 +105,14 @@ def _filled(table: Table, names: Iterable[str]) -> int | None:
     """Return the first of these columns that is not empty."""
     places = (column(table, name) for name in names)
     return next((place for place in places if place is not None and (table.cells[place] != "").any()), None)
+
+
+def _is_in_several_files(table: Table, place: int) -> bool:
+    """Return whether a column that may number rows or sessions has one value in several files."""
+    if table.origins is None or not is_named(table, place, NUMBERS):
+        return False
+    pairs = pd.DataFrame({"value": table.cells[place], "file": table.origins}).drop_duplicates()
+    return bool(pairs.loc[pairs["value"] != "", "value"].duplicated().any())
 
 
 def _by_file(table: Table, known: Known, note: str = "") -> People:

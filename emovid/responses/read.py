@@ -76,7 +76,7 @@ def read_responses(
     _check_columns(known.mapping, files)
     known = replace(known, file_names=short_names(file.table.file for file in files))
     found = _responses(files, known, skipped, max_rejected)
-    _check_groups(known, list(found.participants.columns))
+    _check_groups(known, files, list(found.participants.columns))
     return found
 
 
@@ -282,11 +282,10 @@ def _nothing_left(file: str, rejected: Sequence[Rejected], dropped: Counter[str]
 
 
 def _check_columns(said: ExportMap, files: Sequence[_File]) -> None:
-    """Raise SourceError if the map names columns that no file has."""
+    """Raise SourceError if the map selects participants or rows by columns that no file has."""
     names = [name for file in files for name in (*file.table.names, *file.table.texts)]
     spelled = {plain(name) for name in names}
-    paths: list[tuple[tuple[str, ...], str]] = [(("groups", group), title) for group, title in said.groups.items()]
-    paths += [(("drop", title), title) for title in said.drop]
+    paths: list[tuple[tuple[str, ...], str]] = [(("drop", title), title) for title in said.drop]
     paths += [(("rows", "keep", title), title) for title in said.rows.keep]
     paths += [(("rows", "leave_out", title), title) for title in said.rows.leave_out]
     for path, title in paths:
@@ -294,8 +293,12 @@ def _check_columns(said: ExportMap, files: Sequence[_File]) -> None:
             raise unknown_column(said, path, title, nearest(title, names))
 
 
-def _check_groups(known: Known, found: Sequence[str]) -> None:
-    """Raise SourceError if no file has a requested group."""
+def _check_groups(known: Known, files: Sequence[_File], found: Sequence[str]) -> None:
+    """Raise SourceError if no file has a group that the map names, or a requested one."""
+    names = [name for file in files for name in (*file.table.names, *file.table.texts)]
+    for name, title in known.mapping.groups.items():
+        if name not in found and plain(title) not in map(plain, names):
+            raise unknown_column(known.mapping, ("groups", name), title, nearest(title, names))
     for name in known.groups:
         if name not in found:
             message = f"no file has this group{nearest(name, found)}; expected {', '.join(found) or 'a column of it'}"

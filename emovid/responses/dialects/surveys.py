@@ -96,20 +96,10 @@ def read_unipark(table: Table, known: Known) -> ParsedExport:
 
 
 _REDCAP = (
-    "record_id",
-    "redcap_survey_identifier",
-    "redcap_event_name",
-    "redcap_repeat_instrument",
-    "redcap_repeat_instance",
-)
-_REDCAP_LABELS = (
-    "Record ID",
-    "Survey Identifier",
-    "Survey Timestamp",
-    "Event Name",
-    "Repeat Instrument",
-    "Repeat Instance",
-)
+    "record_id", "redcap_survey_identifier", "redcap_event_name", "redcap_repeat_instrument", "redcap_repeat_instance",
+    "redcap_data_access_group", "Record ID", "Survey Identifier", "Survey Timestamp", "Event Name", "Repeat Instrument",
+    "Repeat Instance", "Data Access Group", "Complete?",
+)  # fmt: skip
 
 
 def recognizes_redcap(table: Table, _: Known) -> bool:
