@@ -21,7 +21,7 @@ from emovid.errors import EmovidError
 
 NAME = "manifest.json"
 _JOURNAL, _LOCK = f".{NAME}.*.journal", f".{NAME}.lock"
-_SECTIONS: Mapping[RecordKind, str] = {
+SECTIONS: Mapping[RecordKind, str] = {
     "video": "videos",
     "trajectory": "trajectories",
     "measure": "measurements",
@@ -149,7 +149,7 @@ def _read_merged(folder: Path) -> Records:
     records: Records = {}
     with suppress(OSError, ValueError, TypeError, AttributeError):
         sections = json.loads((folder / NAME).read_text(encoding="utf-8"))
-        for kind, section in _SECTIONS.items():
+        for kind, section in SECTIONS.items():
             for name, values in sections.get(section, {}).items():
                 if record := Record.from_json(dict(values) | {"only": kind}):
                     records[name] = record
@@ -172,7 +172,7 @@ def _manifest_text(records: Mapping[str, Record]) -> str:
     """Return the text of a manifest: one line for each key of a record."""
     sections: dict[str, dict[str, Record]] = {}
     for name, record in sorted(records.items()):
-        sections.setdefault(_SECTIONS[record.only], {})[name] = record
+        sections.setdefault(SECTIONS[record.only], {})[name] = record
 
     def keys(record: Record) -> str:
         return ",\n".join(

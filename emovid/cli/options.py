@@ -1,6 +1,8 @@
 """Options that several commands share, and the scenes, settings and files they stand for."""
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
+from math import isfinite
 from pathlib import Path
 from typing import Annotated
 
@@ -10,6 +12,44 @@ from emovid.cli import completion
 from emovid.errors import InputError, nearest
 from emovid.scene.emotions import EMOTIONS, PLATFORMS
 from emovid.scene.load import Setting
+from emovid.workflows.outputs import STDOUT
+
+
+def whole(option: str, least: int | None = None, most: int | None = None) -> Callable[[str | int], int]:
+    """Return a parser of whole numbers within bounds for an option."""
+
+    def parse(text: str | int) -> int:
+        value = number(option, least, most, "a whole number")(text)
+        if value != round(value) or (isinstance(text, str) and not re.fullmatch(r"\s*[-+]?\d+\s*", text)):
+            raise InputError(f"{option} {text}: expected a whole number (did you mean {round(value)}?)")
+        return int(text)
+
+    return parse
+
+
+def number(
+    option: str, least: float | None = None, most: float | None = None, kind: str = "a number"
+) -> Callable[[str | float], float]:
+    """Return a parser of numbers within bounds for an option; where 1 is the most, it suggests 0.5 for 50."""
+
+    def parse(text: str | float) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = float("nan")
+        bounds = [f"{word} {bound:g}" for word, bound in (("at least", least), ("at most", most)) if bound is not None]
+        if not isfinite(value):
+            raise InputError(f"{option} {text}: expected {' '.join([kind, *bounds])}")
+        nearest = max(value if least is None else least, min(value, value if most is None else most))
+        if value != nearest:
+            hint = value / 100 if most == 1 and 1 < value <= 100 else nearest
+            raise InputError(f"{option} {text}: expected {kind}, {' and '.join(bounds)} (did you mean {hint:g}?)")
+        return value
+
+    return parse
+
+
+_FILE_SUFFIX = re.compile(r"\.(?!v\d)[A-Za-z][A-Za-z0-9]{1,7}")  # not of a folder such as results.v2 or 2024.11.30
 
 Source = Annotated[
     str | None,
@@ -40,10 +80,27 @@ Set = Annotated[
         "--set", metavar="KEY=VALUE", help="Replace a key of the scene, as in robot.l=0.002.", show_default=False
     ),
 ]
-Seed = Annotated[int | None, typer.Option("--seed", help="Replace the scene's seed.", show_default=False)]
-RandomSeed = Annotated[int, typer.Option("--seed", min=0, help="Random seed.")]
+Seed = Annotated[
+    int | None,
+    typer.Option(
+        "--seed", metavar="INTEGER", help="Replace the scene's seed.", show_default=False, parser=whole("--seed", 0)
+    ),
+]
+Duration = Annotated[
+    str | None,
+    typer.Option("--duration", metavar="SECONDS", help="Replace the length of the run.", show_default=False),
+]
+RandomSeed = Annotated[int, typer.Option("--seed", metavar="INTEGER", help="Random seed.", parser=whole("--seed", 0))]
 Jobs = Annotated[
-    int | None, typer.Option("--jobs", "-j", min=1, help="Parallel processes.", show_default="one per core")
+    int | None,
+    typer.Option(
+        "--jobs",
+        "-j",
+        metavar="INTEGER",
+        help="Parallel processes.",
+        show_default="one per core",
+        parser=whole("--jobs", 1),
+    ),
 ]
 View = Annotated[
     str | None,
@@ -102,7 +159,10 @@ def on_platform(source: str, platform: str | None) -> str:
 
 
 def settings(
-    pairs: Sequence[str] | None, seed: int | None = None, look: Mapping[str, str | int | None] | None = None
+    pairs: Sequence[str] | None,
+    seed: int | None = None,
+    look: Mapping[str, str | int | float | None] | None = None,
+    duration: str | None = None,
 ) -> list[Setting]:
     """Return the keys of the scene that options replace, in the order in which they apply.
 
@@ -110,6 +170,7 @@ def settings(
         pairs: the values of `--set`.
         seed: of the scene.
         look: keys of `video` that have an option of their own, with their values; None for an option not given.
+        duration: of the run [s], as given.
     """
     made = []
     for pair in pairs or ():
@@ -119,6 +180,8 @@ def settings(
         made.append(Setting(key.strip(), value.strip(), f"--set {pair[:60]}"))
     if seed is not None:
         made.append(Setting("seed", seed, f"--seed {seed}"))
+    if duration is not None:
+        made.append(Setting("duration", duration, f"--duration {duration}"))
     for key, option in (look or {}).items():
         if option is not None:
             made.append(Setting(f"video.{key}", option, f"--{key} {option}"))
@@ -138,9 +201,7 @@ def refuse_beside(option: str, others: Mapping[str, Path | float | str | Sequenc
             raise InputError(f"{option}: expected no {name} beside it")
 
 
-def output_file(
-    output: Path | None, name: str, default: str, suffixes: Sequence[str], others: Sequence[str] = ()
-) -> Path:
+def output_file(output: Path | None, name: str, default: str, suffixes: Sequence[str]) -> Path:
     """Return the file that `-o` names: itself if it ends in one of `suffixes`, else `name` in that folder.
 
     Args:
@@ -148,16 +209,27 @@ def output_file(
         name: of the file, with its suffix.
         default: the folder without `-o`.
         suffixes: of the files that can be written.
-        others: suffixes that name a file of a kind that cannot be written.
     """
     chosen = output or Path(default)
-    expected = f"{' or '.join(suffixes)}, or a folder" if suffixes else "a folder"
     if chosen.suffix.lower() in suffixes:
         check_file(chosen, f"-o {chosen}")
         return chosen
-    if chosen.suffix.lower() in others and not chosen.is_dir():
-        raise InputError(f"-o {chosen}: cannot write {chosen.suffix}; expected {expected}")
-    if chosen.exists() and not chosen.is_dir():
+    return output_folder(chosen, suffixes) / name
+
+
+def output_folder(folder: Path, suffixes: Sequence[str] = ()) -> Path:
+    """Return the folder that `-o` names; an `InputError` is raised for a file, or a name that is clearly one.
+
+    Args:
+        folder: as given.
+        suffixes: of the files that could be given instead.
+    """
+    expected = f"{' or '.join(suffixes)}, or a folder" if suffixes else "a folder"
+    if folder == STDOUT:
+        raise InputError(f"-o -: writes files only; expected {expected}")
+    if folder.exists() and not folder.is_dir():
         other = f", or a name that ends in {' or '.join(suffixes)}" if suffixes else ""
-        raise InputError(f"-o {chosen}: is a file; expected a folder{other}")
-    return chosen / name
+        raise InputError(f"-o {folder}: is a file; expected a folder{other}")
+    if not folder.exists() and _FILE_SUFFIX.fullmatch(folder.suffix):
+        raise InputError(f"-o {folder}: cannot write {folder.suffix}; expected {expected}")
+    return folder

@@ -7,10 +7,10 @@ from typing import Annotated
 
 import typer
 
-from emovid.atomic_io import make_folder, writing
 from emovid.cli import completion
 from emovid.cli.options import (
     Emotion,
+    Force,
     Json,
     Platform,
     Quiet,
@@ -31,6 +31,7 @@ from emovid.platforms.robotarium import ARENAS, robotarium_script
 from emovid.scene.emotions import EMOTIONS, PLATFORMS
 from emovid.scene.load import find_scene, load_scene, scene_digest
 from emovid.swarm.simulate import simulate
+from emovid.workflows.outputs import STDOUT, write_outputs
 
 # The shipped scenes for each arena.
 _SCENES = {"3.2x2.0": "robotarium-today", "4.3x3.6": "robotarium"}
@@ -80,7 +81,9 @@ def robotarium(
     every: Annotated[bool, typer.Option("--all", "-a", help="All six emotions.")] = False,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="A folder, created if missing, or a .py file.", show_default="upload"),
+        typer.Option(
+            "--output", "-o", help="A folder, created if missing, a .py file, or - to print it.", show_default="upload"
+        ),
     ] = None,
     arena: Annotated[
         str,
@@ -93,6 +96,7 @@ def robotarium(
     ] = False,
     assignments: Set = None,
     seed: Seed = None,
+    force: Force = False,
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
@@ -107,20 +111,21 @@ def robotarium(
         raise InputError(f"--arena {arena}: expected {' or '.join(ARENAS)}{nearest(arena, ARENAS)}")
     if every and (source or emotion):
         raise InputError("--all: expected no scene beside it")
-    written = []
+    scripts = {}
     for chosen in EMOTIONS if every else [one_source(source, emotion)]:
         name = f"{_SCENES[arena]}/{chosen}" if chosen in EMOTIONS else chosen
         scene, stem = load_scene(name, settings(assignments, seed)), find_scene(name).stem
-        target = output_file(output, f"{stem}.py", "upload", (".py",), (".m", ".yaml", ".txt"))
-        text = robotarium_script(scene, stem, ARENAS[arena], trails=trails)
-        written.append((target, text, {"file": str(target), "scene_digest": scene_digest(scene), "seed": scene.seed}))
-    if len({target for target, _, _ in written}) < len(written):
-        raise InputError(f"-o {output}: is one file; expected a folder for six scripts")
-    for target, text, _ in written:
-        make_folder(target.parent)
-        with writing(target) as file:
-            file.write(text.encode())
-        if not (quiet or as_json):
-            typer.echo(f"{target}: for the Robotarium's arena of {ARENAS[arena]}", err=True)
+        target = STDOUT if output == STDOUT else output_file(output, f"{stem}.py", "upload", (".py",))
+        if target in scripts:
+            raise InputError(f"-o {output}: is one file; expected a folder for six scripts")
+        scripts[target] = scene, robotarium_script(scene, stem, ARENAS[arena], trails=trails).encode()
+    write_outputs({target: script for target, (_, script) in scripts.items()}, force=force)
     if as_json:
-        typer.echo(json.dumps([facts for _, _, facts in written], indent=2))
+        facts = [
+            {"file": str(target), "scene_digest": scene_digest(scene), "seed": scene.seed}
+            for target, (scene, _) in scripts.items()
+        ]
+        typer.echo(json.dumps(facts, indent=2))
+    elif not quiet:
+        for target in scripts:
+            typer.echo(f"{target}: for the Robotarium's arena of {ARENAS[arena]}", err=True)

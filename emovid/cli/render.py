@@ -3,6 +3,7 @@
 import json
 import sys
 import time
+import webbrowser
 from functools import partial
 from pathlib import Path
 from typing import Annotated
@@ -10,9 +11,10 @@ from typing import Annotated
 import typer
 
 from emovid.atomic_io import make_folder
-from emovid.batch.order import write_presentation_order
+from emovid.batch import manifest, order
 from emovid.cli import completion
 from emovid.cli.options import (
+    Duration,
     Emotion,
     Force,
     Jobs,
@@ -27,76 +29,90 @@ from emovid.cli.options import (
     one_source,
     output_file,
     settings,
+    whole,
 )
 from emovid.cli.terminal import counting, raise_failures, reporter
-from emovid.errors import InputError, nearest
+from emovid.errors import EmovidError, InputError, nearest
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, find_scene, load_scene
-from emovid.swarm.files import SUFFIXES, save_trajectory
+from emovid.swarm.files import SUFFIXES, write_trajectory
 from emovid.swarm.simulate import check_start
 from emovid.swarm.simulate import simulate as simulate_scene
 from emovid.video.encoder import FORMATS, check_sequence
 from emovid.workflows import rendering
+from emovid.workflows.outputs import STDOUT, write_output
 from emovid.workflows.preview import SHEET, make_when_saved, write_preview
 
 _PREVIEWS = ".gif", ".webm", ".mp4", SHEET
 _PREVIEW_FORMATS = tuple(suffix.removeprefix(".") for suffix in _PREVIEWS)
 
+Sources = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="[SCENE]...",
+        help="Scenes (.yaml), finished runs (.npz), or emotions.",
+        show_default=False,
+        autocompletion=completion.runs,
+    ),
+]
+AllSix = Annotated[bool, typer.Option("--all", "-a", help="All six emotions, and a random order to show them in.")]
+VideoOutput = Annotated[
+    Path | None,
+    typer.Option(
+        "--output",
+        "-o",
+        help="A folder, created if missing, or a file in .mp4, .webm or .gif.",
+        show_default=str(rendering.FOLDER),
+    ),
+]
+Size = Annotated[str | None, typer.Option(metavar="WxH", help="Pixels, as in 1920x1080.", show_default=False)]
+Fps = Annotated[
+    int | None,
+    typer.Option(
+        metavar="INTEGER",
+        help="Frames per second; the motion does not change.",
+        show_default=False,
+        parser=whole("--fps", 1),
+    ),
+]
+Format = Annotated[
+    str | None,
+    typer.Option(
+        help="mp4, webm, gif, or png-sequence: a folder of pictures.",
+        show_default="as -o ends, or mp4",
+        autocompletion=completion.words(*FORMATS),
+    ),
+]
+Theme = Annotated[
+    str | None,
+    typer.Option(help="light or dark.", show_default=False, autocompletion=completion.words("light", "dark")),
+]
+Overlay = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--overlay",
+        help="Also show density, cells, targets or clock.",
+        show_default=False,
+        autocompletion=completion.words("density", "cells", "targets", "clock"),
+    ),
+]
+
 
 def render(
-    source: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="[SCENE]",
-            help="A scene (.yaml), a finished run (.npz), or an emotion.",
-            show_default=False,
-            autocompletion=completion.runs,
-        ),
-    ] = None,
+    sources: Sources = None,
     emotion: Emotion = None,
-    every: Annotated[
-        bool, typer.Option("--all", "-a", help="All six emotions, and a random order to show them in.")
-    ] = False,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            help="A folder, created if missing, or a file in .mp4, .webm or .gif.",
-            show_default=str(rendering.FOLDER),
-        ),
-    ] = None,
+    every: AllSix = False,
+    output: VideoOutput = None,
     assignments: Set = None,
     platform: Platform = None,
     seed: Seed = None,
-    size: Annotated[
-        str | None, typer.Option(metavar="WxH", help="Pixels, as in 1920x1080.", show_default=False)
-    ] = None,
-    fps: Annotated[
-        int | None, typer.Option(help="Frames per second; the motion does not change.", show_default=False)
-    ] = None,
-    format: Annotated[
-        str | None,
-        typer.Option(
-            help="mp4, webm, gif, or png-sequence: a folder of pictures.",
-            show_default="as -o ends, or mp4",
-            autocompletion=completion.words(*FORMATS),
-        ),
-    ] = None,
-    theme: Annotated[
-        str | None,
-        typer.Option(help="light or dark.", show_default=False, autocompletion=completion.words("light", "dark")),
-    ] = None,
+    duration: Duration = None,
+    size: Size = None,
+    fps: Fps = None,
+    format: Format = None,
+    theme: Theme = None,
     view: View = None,
-    overlays: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--overlay",
-            help="Also show density, cells, targets or clock.",
-            show_default=False,
-            autocompletion=completion.words("density", "cells", "targets", "clock"),
-        ),
-    ] = None,
+    overlays: Overlay = None,
     jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -106,17 +122,15 @@ def render(
 
     Examples: emovid render --emotion anger · emovid render --all --jobs 2 · emovid render my.yaml --set robot.l=0.002
     """
-    if every and (source or emotion):
+    if every and (sources or emotion):
         raise InputError("--all means the six emotions: no scene goes with it")
     look = {"size": size, "fps": fps, "format": format, "theme": theme, "view": view}
-    overrides = _look(settings(assignments, seed, look), output, overlays or [])
-    named = list(EMOTIONS) if every else [one_source(source, emotion)]
+    overrides = _look(settings(assignments, seed, look, duration), output, overlays or [])
+    named = list(EMOTIONS) if every else _named(sources or [], emotion)
     work = rendering.video_jobs([on_platform(name, platform) for name in named], overrides, output, _video_file)
-    if not (quiet or as_json):
-        for line in rendering.overwritten([job for job in work if job.target != output]):
-            typer.echo(line, err=True)
+    files = (manifest.NAME, order.NAME) if every else (manifest.NAME,)
     with reporter(len(work), quiet=quiet or as_json) as report:
-        made = rendering.make_all(work, report, jobs, force=force)
+        made = rendering.make_all(work, report, jobs, force=force, files=files)
     if as_json:
         videos = {str(job.target): made.records[job.target].to_json() for job in work if job.target in made.records}
         failed = {str(target): str(failure) for target, failure in made.failures.items()}
@@ -124,7 +138,14 @@ def render(
     raise_failures(made.failures.values(), len(work), "videos")
     if every:
         names = {name: job.target.name for name, job in zip(EMOTIONS, work, strict=True)}
-        write_presentation_order(work[0].target.parent, names, seed or 0)
+        order.write_presentation_order(work[0].target.parent, names, seed or 0)
+
+
+def _named(sources: list[str], emotion: str | None) -> list[str]:
+    """Return the requested scenes, each once, given as arguments or by `--emotion`."""
+    if len(sources) > 1 and emotion is None:
+        return list(dict.fromkeys(sources))
+    return [one_source(sources[0] if sources else None, emotion)]
 
 
 def _look(chosen: list[Setting], output: Path | None, overlays: list[str]) -> list[Setting]:
@@ -137,9 +158,7 @@ def _look(chosen: list[Setting], output: Path | None, overlays: list[str]) -> li
 def _video_file(output: Path, source: rendering.Source) -> Path:
     """Return the file, or the folder of pictures, that `-o` means for a video."""
     suffix = FORMATS[source.scene.video.format].suffix
-    others = {made.suffix for made in FORMATS.values()} - {"", suffix}
-    refused = (*sorted(others), ".mov", ".mkv", ".avi", ".m4v", ".png", ".apng", ".webp")
-    target = output_file(output, source.stem + suffix, ".", (suffix,) if suffix else (), refused)
+    target = output_file(output, source.stem + suffix, ".", (suffix,) if suffix else ())
     if not suffix:
         check_sequence(target)
     return target
@@ -163,9 +182,11 @@ def preview(
     ] = None,
     assignments: Set = None,
     seed: Seed = None,
+    duration: Duration = None,
     watch: Annotated[
         bool, typer.Option("--watch", "-w", help="Make it again whenever the scene is saved, until Ctrl-C.")
     ] = False,
+    shown: Annotated[bool, typer.Option("--open", help="Open the preview in a browser.")] = False,
     quiet: Quiet = False,
 ) -> None:
     """Show a scene at a glance: a small loop or a contact sheet, within seconds.
@@ -173,13 +194,19 @@ def preview(
     Examples: emovid preview my.yaml --watch · emovid preview --emotion anger --format png -o anger.png
     """
     chosen = on_platform(one_source(source, emotion), platform)
-    file, overrides = find_scene(chosen), settings(assignments, seed)
-    make = partial(_preview, chosen, overrides, _preview_file(output, file.stem, format), quiet=quiet)
+    file, overrides = find_scene(chosen), settings(assignments, seed, duration=duration)
+    target = _preview_file(output, file.stem, format)
+    make = partial(_preview, chosen, overrides, target, quiet=quiet)
+    if shown:
+        make()
+        if not webbrowser.open(target.resolve().as_uri()):
+            raise EmovidError(f"no browser found: open {target} yourself")
     if watch:
         if not quiet:
             typer.echo(f"watching {file}: Ctrl-C ends it", err=True)
         make_when_saved(make, file, lambda error: print(error, file=sys.stderr, flush=True))
-    make()
+    if not shown:
+        make()
 
 
 def _preview_file(output: Path | None, stem: str, format: str | None) -> Path:
@@ -187,9 +214,7 @@ def _preview_file(output: Path | None, stem: str, format: str | None) -> Path:
         expected = f"expected one of {', '.join(_PREVIEW_FORMATS)}{nearest(format, _PREVIEW_FORMATS)}"
         raise InputError(f"--format {format}: {expected}")
     suffixes = [suffix for suffix in _PREVIEWS if format in (None, suffix.removeprefix("."))]
-    return output_file(
-        output, f"{stem}{suffixes[0]}", "previews", suffixes, (*_PREVIEWS, ".mov", ".avi", ".mkv", ".jpg", ".pdf")
-    )
+    return output_file(output, f"{stem}{suffixes[0]}", "previews", suffixes)
 
 
 def _preview(source: str, overrides: list[Setting], target: Path, *, quiet: bool) -> None:
@@ -211,10 +236,17 @@ def simulate(
     platform: Platform = None,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="A file ending in .npz or .csv, or a folder.", show_default="SCENE.npz"),
+        typer.Option(
+            "--output",
+            "-o",
+            help="A file in .npz or .csv, a folder, or - to print the CSV.",
+            show_default="SCENE.npz",
+        ),
     ] = None,
     assignments: Set = None,
     seed: Seed = None,
+    duration: Duration = None,
+    force: Force = False,
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
@@ -223,27 +255,18 @@ def simulate(
     Examples: emovid simulate --emotion fear -o fear.npz · emovid simulate my.yaml --seed 3 -o my.csv
     """
     chosen = on_platform(one_source(source, emotion), platform)
-    scene = load_scene(chosen, settings(assignments, seed))
-    target = output_file(
-        output,
-        f"{find_scene(chosen).stem}.npz",
-        ".",
-        SUFFIXES,
-        _OTHER_FILES,
-    )
+    scene = load_scene(chosen, settings(assignments, seed, duration=duration))
+    to_stdout = output == STDOUT
+    target = STDOUT if to_stdout else output_file(output, f"{find_scene(chosen).stem}.npz", ".", SUFFIXES)
     check_start(scene)
-    make_folder(target.parent)
+    if not force:
+        rendering.check_trajectory(target, scene)
     with counting(target.name, quiet=quiet or as_json) as on_period:
         trajectory = simulate_scene(scene, on_period)
-    save_trajectory(trajectory, target)
+    suffix = ".csv" if to_stdout else target.suffix
+    write_output(target, partial(write_trajectory, trajectory, suffix), force=force or suffix.lower() == ".npz")
     if as_json:
         facts = {"file": str(target), "trajectory_sha256": trajectory.digest(), "samples": len(trajectory.t)}
-        typer.echo(json.dumps(facts | {"robots": scene.robots, "seed": scene.seed}, indent=2))
+        typer.echo(json.dumps(facts | {"robots": scene.robots, "seed": scene.seed}, indent=2), err=to_stdout)
     elif not quiet:
         typer.echo(f"{target}: {scene.robots} robots, {len(trajectory.t)} samples in {scene.duration:g} s", err=True)
-
-
-_OTHER_FILES = (
-    *(".npy", ".json", ".parquet", ".mat", ".txt", ".tsv", ".xlsx", ".xls", ".ods", ".h5", ".hdf5", ".feather", ".pkl"),
-    *(".yaml", ".yml", ".mp4", ".webm", ".gif"),
-)

@@ -34,10 +34,15 @@ def save_trajectory(trajectory: Trajectory, target: Path) -> None:
         EmovidError: if the file cannot be written.
     """
     with writing(target) as file:
-        if target.suffix.lower() == ".npz":
-            _write_npz(trajectory, file)
-        else:
-            _write_csv(trajectory, file)
+        write_trajectory(trajectory, target.suffix, file)
+
+
+def write_trajectory(trajectory: Trajectory, suffix: str, file: IO[bytes]) -> None:
+    """Write a trajectory to an open file in the format of a suffix, ".npz" or ".csv"."""
+    if suffix.lower() == ".npz":
+        _write_npz(trajectory, file)
+    else:
+        _write_csv(trajectory, file)
 
 
 def load_trajectory(source: Path, settings: Sequence[Setting] = ()) -> Trajectory:

@@ -1,16 +1,23 @@
 """Rendering many scenes and runs: which videos are requested, which are missing, and making those."""
 
+import json
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
+from emovid.atomic_io import file_digest
+from emovid.batch import manifest, order, results
 from emovid.batch.cache import Made, Reporter, find_current, make_missing, workers
-from emovid.batch.job import Job
-from emovid.batch.manifest import read_manifest
+from emovid.batch.job import Job, Record
+from emovid.batch.manifest import Journal, read_manifest
+from emovid.batch.scheduler import Pool
 from emovid.errors import InputError
-from emovid.scene.difference import differences_of
-from emovid.scene.load import Setting, find_scene, load_scene, shipped_names
+from emovid.scene.difference import differences, differences_of
+from emovid.scene.load import Setting, find_scene, load_scene, scene_of, shipped_names
 from emovid.scene.model import Scene
 from emovid.scene.video import FormatName
 from emovid.swarm.files import is_run, load_trajectory
@@ -19,7 +26,7 @@ from emovid.swarm.trajectory import Trajectory
 from emovid.video.encoder import FORMATS
 
 FOLDER = Path("videos")
-_NAMED = 3  # keys named in the message about a video with other settings
+_NAMED = 3  # keys named in the message about a result with other settings
 
 
 class Source(NamedTuple):
@@ -54,38 +61,176 @@ def video_jobs(
     loaded = [load_source(source, settings) for source in sources]
     folders = [output or _default_folder(source) for source in sources]
     targets = [target(folder, source) for folder, source in zip(folders, loaded, strict=True)]
-    if len(set(targets)) < len(targets):
-        twice = next(target for target in targets if targets.count(target) > 1)
-        raise InputError(f"-o {twice}: is one file; expected a folder for {len(targets)} videos")
+    for source, file in zip(sources, targets, strict=True):
+        if targets.count(file) > 1 and file == output:
+            raise InputError(f"-o {file}: is one file; expected a folder for {len(targets)} videos")
+        if targets.count(file) > 1:
+            raise InputError(f"{source}: {file} is the video of another scene, too; render one of them with -o")
     return [Job(source.scene, target, source.run) for source, target in zip(loaded, targets, strict=True)]
 
 
-def make_all(jobs: Sequence[Job], report: Reporter, processes: int | None, *, force: bool) -> Made:
-    """Make the videos that are missing or out of date, with `force` all of them.
+def make_all(
+    jobs: Sequence[Job],
+    report: Reporter,
+    processes: int | None,
+    *,
+    force: bool,
+    files: Sequence[str] = (manifest.NAME,),
+) -> Made:
+    """Make the results that are missing or out of date; with `force`, all of them.
 
     Args:
         jobs: with targets in one folder.
-        report: told of progress.
+        report: receives the progress.
         processes: how many to use at once; None for one per core.
-        force: whether to make up-to-date videos again.
+        force: whether to make results that are up to date again, and to overwrite those with other settings.
+        files: that will be written beside the results.
+
+    Raises:
+        InputError: if an existing file is of other settings, or not of emovid; nothing has been written then.
     """
+    check_folder(jobs[0].target.parent, files)
+    if not force:
+        check_settings(jobs)
     known = {} if force else find_current(jobs, report)
     missing = [job for job in jobs if job.target not in known]
     with workers(min(processes or os.cpu_count() or 1, len(missing)), report.advanced) as pool:
-        made = make_missing(missing, report, pool)
+        if not force:
+            known |= _adopted(missing, pool)
+        made = make_missing([job for job in missing if job.target not in known], report, pool)
     return Made(known | made.records, made.failures)
 
 
-def overwritten(jobs: Sequence[Job]) -> Iterator[str]:
-    """Yield a line for each existing video with other settings, which a video of the same name will overwrite."""
+def check_settings(jobs: Sequence[Job]) -> None:
+    """Raise an `InputError` for an existing result that was made with other settings than a job of the same name."""
     manifests = {folder: read_manifest(folder) for folder in {job.target.parent for job in jobs}}
     for job in jobs:
         known = manifests[job.target.parent].get(job.target.name)
-        if known and known.scene and job.target.exists():
-            keys = [row.key for row in differences_of(known.scene, job.scene.resolved())]
-            others = f" and {len(keys) - _NAMED} more" if len(keys) > _NAMED else ""
-            if keys:
-                yield f"{job.target}: replaces one with another {', '.join(keys[:_NAMED])}{others}"
+        if known and (job.target.exists() or not known.has_file):
+            _refuse_other(job.target, _differing(known, job))
+
+
+def check_trajectory(target: Path, scene: Scene) -> None:
+    """Raise an `InputError` for an existing .npz that is not a run of the same scene."""
+    if target.suffix.lower() == ".npz" and target.is_file():
+        try:
+            known = load_trajectory(target).scene
+        except InputError:
+            raise InputError(f"{target}: was not written by emovid; use --force to overwrite it, or -o") from None
+        _refuse_other(target, [row.key for row in differences(known, scene)])
+
+
+def _refuse_other(target: Path, keys: Sequence[str]) -> None:
+    """Raise an `InputError` for an existing result if its settings differ in some keys."""
+    if keys:
+        others = f" and {len(keys) - _NAMED} more" if len(keys) > _NAMED else ""
+        settings = ", ".join(keys[:_NAMED]) + others
+        raise InputError(f"{target} exists with other settings ({settings}); use --force to overwrite it, or -o")
+
+
+def _differing(known: Record, job: Job) -> list[str]:
+    """Return the keys in which the scene of a record differs from that of a job; "run" for another trajectory."""
+    try:
+        scene = scene_of(known.scene or {}, {}).resolved()  # with the default of a key that is newer than the record
+    except InputError:
+        scene = known.scene or {}
+    keys = [row.key for row in differences_of(scene, job.scene.resolved())]
+    if not keys and job.recipe.run not in (None, known.run, known.trajectory_sha256):
+        return ["run"]
+    return keys
+
+
+def _adopted(jobs: Sequence[Job], pool: Pool) -> dict[Path, Record]:
+    """Record the existing files that no manifest knows but that are the results of their jobs.
+
+    A run that was killed before it could record a file leaves such files. Each result is made again, elsewhere, and
+    compared.
+
+    Raises:
+        InputError: for a file that is something else.
+    """
+    manifests = {folder: read_manifest(folder) for folder in {job.target.parent for job in jobs}}
+    unknown = [
+        job
+        for job in jobs
+        if job.target.name not in manifests[job.target.parent]
+        and job.target.exists()
+        and job.target.is_dir() == (job.scene.video.format == "png-sequence")  # otherwise making it fails
+    ]
+    adopted = {}
+    with TemporaryDirectory() as folder:
+        copies = {job: replace(job, target=Path(folder) / job.target.name) for job in unknown}
+        made = make_missing(list(copies.values()), _Silent(), pool)
+        for job, copy in copies.items():
+            record = made.records.get(copy.target)
+            if record and record.has_file:
+                if file_digest(job.target) != record.sha256:
+                    problem = "exists with other settings, or not from emovid"
+                    raise InputError(f"{job.target} {problem}; use --force to overwrite it, or -o")
+                adopted[job.target] = record
+    if adopted:
+        with Journal(next(iter(adopted)).parent) as journal:
+            for target, record in adopted.items():
+                journal.add(target.name, record)
+    return adopted
+
+
+class _Silent:
+    """Ignores all progress."""
+
+    def advanced(self, job: Job, done: int, total: int) -> None:
+        """See `Reporter`."""
+
+    def finished(self, job: Job, record: Record, *, made: bool) -> None:
+        """See `Reporter`."""
+
+    def failed(self, job: Job) -> None:
+        """See `Reporter`."""
+
+    def died(self, job: Job, attempt: int) -> None:
+        """See `Reporter`."""
+
+
+def check_folder(folder: Path, names: Iterable[str] = (manifest.NAME,)) -> None:
+    """Raise an `InputError` for a file in a folder of results that emovid would write, but did not write before.
+
+    Args:
+        folder: of the results.
+        names: of the files, each with a format of its own.
+    """
+    for name in names:
+        with suppress(FileNotFoundError, NotADirectoryError):
+            if not _FORMATS[name]((folder / name).read_bytes()):
+                raise InputError(f"{folder / name}: was not written by emovid; move it, or choose another folder")
+
+
+def _is_manifest(data: bytes) -> bool:
+    return _has_only_keys(data, set(manifest.SECTIONS.values()))
+
+
+def _is_plan(data: bytes) -> bool:
+    return _has_only_keys(data, {"only", "scenes", "set", "list", "grid", "seeds"})
+
+
+def _has_only_keys(data: bytes, keys: set[str]) -> bool:
+    """Return whether a file is a JSON object with some of the keys; a damaged file counts as one."""
+    try:
+        values = json.loads(data)
+    except ValueError:
+        return True
+    return isinstance(values, dict) and values.keys() <= keys
+
+
+def _starts_with(head: str) -> Callable[[bytes], bool]:
+    return lambda data: data.startswith(head.encode()) or not data
+
+
+_FORMATS: Mapping[str, Callable[[bytes], bool]] = {
+    manifest.NAME: _is_manifest,
+    results.PLAN: _is_plan,
+    results.TABLE: _starts_with("item,name"),
+    order.NAME: _starts_with("position,emotion,video"),
+}
 
 
 def format_of(output: Path | None) -> FormatName | None:

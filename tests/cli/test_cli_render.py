@@ -2,8 +2,10 @@ import csv
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from emovid.atomic_io import file_digest
 from emovid.cli.main import main
 from emovid.scene.emotions import EMOTIONS
 
@@ -96,7 +98,7 @@ def test_theme_and_overlays_change_the_picture_and_nothing_else() -> None:
     render("--emotion", "fear")
     plain = manifest(Path("videos"))["fear.mp4"]
     for look in (["--theme", "dark"], ["--overlay", "clock"], ["--overlay", "cells", "--overlay", "density"]):
-        render("--emotion", "fear", *look)
+        render("--emotion", "fear", *look, "--force")
         entry = manifest(Path("videos"))["fear.mp4"]
         assert entry["sha256"] != plain["sha256"], look
         assert entry["trajectory_sha256"] == plain["trajectory_sha256"]
@@ -151,36 +153,104 @@ def test_what_is_missing_or_spoilt_is_made_again(spoil) -> None:
 
 
 @pytest.mark.parametrize(
-    "change", [("--seed", "2"), ("--set", "robot.l=0.005"), ("--set", "video.trails.robots=3"), ("--force",)]
-)
-def test_what_changed_is_made_again(capsys, change) -> None:
+    ("change", "keys"),
+    [
+        (("--seed", "2"), "seed"),
+        (("--set", "robot.l=0.005"), "robot.l"),
+        (("--set", "video.trails.robots=3"), "video.trails.robots"),
+        (("--set", "robots=4", "--theme", "dark", "--set", "robot.K=9", "--seed", "2"),
+         "robot.K, robots, seed and 1 more"),
+        (("-o", "videos", "--seed", "2"), "seed"),
+        (("-o", "videos/anger.mp4", "--seed", "2"), "seed"),
+    ],
+)  # fmt: skip
+def test_a_video_with_other_settings_is_replaced_only_by_force(capsys, change, keys) -> None:
     render("--emotion", "anger")
+    before = {path: path.read_bytes() for path in Path("videos").iterdir()}
     capsys.readouterr()
-    assert render("--emotion", "anger", *change) == 0
+    assert render("--emotion", "anger", *change) == 2
+    refused = f"videos/anger.mp4 exists with other settings ({keys}); use --force to overwrite it, or -o\n"
+    assert capsys.readouterr() == ("", refused)
+    assert {path: path.read_bytes() for path in Path("videos").iterdir()} == before
+    assert render("--emotion", "anger", *change, "--force") == 0
+    assert "[1/1] videos/anger.mp4: 5 frames\nrendered 1 in" in capsys.readouterr().err
+    Path("videos/anger.mp4").unlink()
+    assert render("--emotion", "anger") == 0  # there is no video to lose
+
+
+def test_force_makes_a_video_again(capsys) -> None:
+    render("--emotion", "anger")
+    assert render("--emotion", "anger", "--force") == 0
     assert "[1/1] videos/anger.mp4: 5 frames\nrendered 1 in" in capsys.readouterr().err
 
 
-def test_a_video_of_other_settings_that_is_replaced_is_said_to_be(capsys) -> None:
-    render("--emotion", "anger")
-    assert "replaces" not in capsys.readouterr().err  # there was none
-    render("--emotion", "anger", "--seed", "2")
-    assert capsys.readouterr().err.startswith(
-        "videos/anger.mp4: replaces one with another seed\n[1/1] videos/anger.mp4:"
-    )
-    render("--emotion", "anger", "--set", "robots=4", "--theme", "dark", "--set", "robot.K=9", "-o", "videos")
-    line = "videos/anger.mp4: replaces one with another robot.K, robots, seed and 1 more\n"
-    assert capsys.readouterr().err.startswith(line)
-    for alike in (
-        ["--force"],
-        ["-q", "--seed", "3"],
-        ["--json", "--seed", "4"],
-        ["-o", "videos/anger.mp4", "--seed", "5"],
-    ):
-        render("--emotion", "anger", "--set", "robots=4", "--theme", "dark", "--set", "robot.K=9", *alike)
-        assert "replaces" not in capsys.readouterr().err
-    Path("videos/anger.mp4").unlink()
-    render("--emotion", "anger")
-    assert "replaces" not in capsys.readouterr().err  # there is none to lose
+def test_a_video_of_an_edited_run_is_another_video(capsys) -> None:
+    for seed in (1, 2):
+        main(["simulate", "fear", "-o", f"{seed}/run.npz", "--seed", str(seed), "--duration", "1", "-q"])
+    with np.load("2/run.npz") as arrays, np.load("1/run.npz") as others:
+        np.savez("edited.npz", **dict(arrays.items()) | {"scene": others["scene"]})
+    look = ["--size", "96x64", "--fps", "5", "-o", "x.mp4"]
+    assert main(["render", "1/run.npz", *look]) == 0
+    assert main(["render", "fear", "--seed", "1", "--duration", "1", *look]) == 0  # the same run
+    capsys.readouterr()
+    assert main(["render", "edited.npz", *look]) == 2
+    assert capsys.readouterr().err == "x.mp4 exists with other settings (run); use --force to overwrite it, or -o\n"
+
+
+@pytest.mark.parametrize("name", ["anger.mp4", "anger.gif", "anger"])
+def test_a_video_that_no_manifest_knows_is_kept_if_it_is_not_the_same(name, capsys) -> None:
+    format = {"anger": "png-sequence"}.get(name, name.partition(".")[2])
+    assert render("anger", "--format", format, "-o", "other", "--seed", "5") == 0
+    Path("videos").mkdir()
+    Path("other", name).rename(Path("videos", name))
+    before = file_digest(Path("videos", name))
+    capsys.readouterr()
+    assert render("anger", "--format", format) == 2
+    problem = "exists with other settings, or not from emovid"
+    assert capsys.readouterr().err == f"videos/{name} {problem}; use --force to overwrite it, or -o\n"
+    assert names(Path("videos")) == [name]
+    assert file_digest(Path("videos", name)) == before
+    assert render("anger", "--format", format, "--seed", "5") == 0  # the same: it is recorded
+    assert file_digest(Path("videos", name)) == before
+    assert list(manifest(Path("videos"))) == [name]
+    assert render("anger", "--format", format, "--force") == 0
+
+
+FOREIGN = {
+    "manifest.json": '{"name": "My site", "icons": []}',
+    "presentation_order.csv": "participant,answer\np1,anger\n",
+}
+
+
+@pytest.mark.parametrize("name", FOREIGN)
+@pytest.mark.parametrize("force", [[], ["--force"]])
+def test_a_file_of_another_program_is_never_replaced(name, force, capsys) -> None:
+    Path("site").mkdir()
+    Path("site", name).write_text(FOREIGN[name])
+    assert render("--all", "-o", "site", *force) == 2
+    problem = "was not written by emovid; move it, or choose another folder"
+    assert capsys.readouterr().err == f"site/{name}: {problem}\n"
+    assert names(Path("site")) == [name]
+    assert Path("site", name).read_text() == FOREIGN[name]
+
+
+def test_several_scenes_are_rendered_by_one_command(capsys) -> None:
+    main(["scene", "new", "my.yaml", "--from", "sadness", "--quiet"])
+    assert render("anger", "my.yaml", "anger", "--jobs", "1") == 0
+    assert names(Path("videos")) == ["anger.mp4", "manifest.json", "my.mp4"]
+    assert "[2/2] videos/my.mp4" in capsys.readouterr().err
+    Path("deep").mkdir()
+    Path("deep/my.yaml").write_bytes(Path("my.yaml").read_bytes())
+    assert render("my.yaml", "deep/my.yaml") == 2
+    expected = "my.yaml: videos/my.mp4 is the video of another scene, too; render one of them with -o\n"
+    assert capsys.readouterr().err == expected
+    assert render("my.yaml", "anger", "-o", "x.mp4") == 2
+    assert capsys.readouterr().err == "-o x.mp4: is one file; expected a folder for 2 videos\n"
+
+
+def test_duration_replaces_the_length_of_the_run() -> None:
+    assert main(["render", "anger", "--duration", "2", "--size", "96x64", "--fps", "5"]) == 0
+    assert manifest(Path("videos"))["anger.mp4"]["frames"] == 10
 
 
 def test_a_copied_folder_is_up_to_date(tmp_path, capsys) -> None:
@@ -304,7 +374,7 @@ def test_quiet_says_nothing(capsys) -> None:
         (["fear", "--set", "robot.k=2"], "--set robot.k=2: robot.k: unknown key (did you mean robot.K?)"),
         (["fear", "--set", "robot.K"], "--set robot.K: expected KEY=VALUE, as in robot.l=0.002"),
         (["fear", "--size", "7"], "--size 7: video.size: 7: expected width x height in pixels, as in 1280x720"),
-        (["fear", "--jobs", "0"], "Invalid value for '--jobs' / '-j': Input should be greater than or equal to 1"),
+        (["fear", "--jobs", "0"], "--jobs 0: expected a whole number, at least 1 (did you mean 1?)"),
         (["fear", "--sed", "1"], "No such option: --sed (Possible options: --seed, --set, --size)"),
         (
             ["fear", "--set", "robots=900"],
