@@ -23,8 +23,8 @@ from emovid.figures.style import (
     text_on,
     text_width,
 )
+from emovid.statistics.circumplex import ANGLES
 
-_RUSSELL = "Russell 1980, circular scaling by the method of Ross 1938: {} at {} degrees"
 _MARGIN = 2.0  # around the figure [pt]
 _PLANE = 0.235  # radius of the circle by the figure's width
 _ENDS = np.array([-1, 1])
@@ -39,19 +39,16 @@ class Position(NamedTuple):
     source: str
 
 
-def _on_circle(degrees: float, source: str) -> Position:
+def _position(emotion: str, degrees: float) -> Position:
+    word = _WORDS.get(emotion)
+    source = f"Russell 1980, circular scaling by the method of Ross 1938: {word} at {degrees:g} degrees"
+    if word is None:
+        source = "ours: Russell scaled no such word; near his distressed, between fear and sadness"
     return Position(float(np.cos(np.radians(degrees))), float(np.sin(np.radians(degrees))), source)
 
 
-# The order around the circle is that of Table III, which the paper takes from its Fig. 10.
-POSITIONS = {
-    "happiness": _on_circle(7.8, _RUSSELL.format("happy", 7.8)),
-    "surprise": _on_circle(69.8, _RUSSELL.format("astonished", 69.8)),
-    "anger": _on_circle(99.0, _RUSSELL.format("angry", 99.0)),
-    "fear": _on_circle(116.0, _RUSSELL.format("afraid", 116.0)),
-    "disgust": _on_circle(138.0, "ours: Russell scaled no such word; near his distressed, between fear and sadness"),
-    "sadness": _on_circle(207.5, _RUSSELL.format("sad", 207.5)),
-}
+_WORDS = {"happiness": "happy", "surprise": "astonished", "anger": "angry", "fear": "afraid", "sadness": "sad"}
+POSITIONS = {emotion: _position(emotion, degrees) for emotion, degrees in ANGLES.items()}
 
 
 @in_style()

@@ -20,6 +20,7 @@ from emovid.figures.style import (
     text_on,
     text_width,
 )
+from emovid.statistics.confusions import percent
 
 _CELL_WIDTH, _CELL_HEIGHT = 29.0, 24.0  # least width and height of a cell [pt]: "64.44" in bold, over "(29)"
 _EDGES = 26.0  # what ticks, the headings and margins take in either direction [pt]
@@ -60,21 +61,15 @@ def confusion_figure(
     return settle(figure)
 
 
-def percent_of_columns(counts: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return each count in percent of its column (perceived, signalled); nan where a column is empty."""
-    totals = counts.sum(axis=0, dtype=float)
-    return 100 * counts / np.where(totals > 0, totals, np.nan)
-
-
 def _draw_cells(axes: Axes, counts: NDArray[np.int64], right: list[list[bool]]) -> None:
     """Draw the cells on a scale from 0 to 100 % that is the same in every figure."""
-    percent = percent_of_columns(counts)
-    colours = matplotlib.colormaps["Blues"](np.nan_to_num(percent) / 100)
+    shares = percent(counts)
+    colours = matplotlib.colormaps["Blues"](np.nan_to_num(shares) / 100)
     rows, columns = counts.shape
     axes.pcolormesh(np.arange(columns + 1) - 0.5, np.arange(rows + 1) - 0.5, colours)  # an image would have pixels
     axes.invert_yaxis()
     for (i, j), count in np.ndenumerate(counts):
-        share = "–" if np.isnan(percent[i, j]) else f"{percent[i, j]:.2f}".replace("100.00", "100")
+        share = "–" if np.isnan(shares[i, j]) else f"{shares[i, j]:.2f}".replace("100.00", "100")
         colour, weight = text_on(to_hex(tuple(colours[i, j]))), "bold" if right[i][j] else "normal"
         axes.text(j, i, f"{share}\n({count})", ha="center", va="center", linespacing=1.1, color=colour, weight=weight)
 

@@ -1,9 +1,9 @@
-"""The figures of a study, from its results: the mapping that `results.json` holds."""
+"""The figures of a study: confusion matrix, circumplex, and accuracy by group."""
 
 import re
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import chain, count
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -13,25 +13,81 @@ from emovid.errors import InputError
 from emovid.figures.accuracy import Rates, accuracy_figure
 from emovid.figures.circumplex import POSITIONS, circumplex_figure
 from emovid.figures.confusion import confusion_figure
+from emovid.statistics.results import StudyResults
 
-Results = Mapping[str, Any]
 _LONGEST_NAME = 60  # letters; file systems take 255 bytes
 
 Answers = tuple[NDArray[np.int64], Sequence[str], Sequence[str]]
 
 
-def study_figures(results: Results) -> dict[str, tuple[str, Figure]]:
+@dataclass(frozen=True, eq=False)
+class LevelAccuracy:
+    """How one level of a group recognized each emotion.
+
+    Attributes:
+        n_participants: of the level.
+        rates: (emotions, 3) share of right answers and the ends of its interval; NaN where nobody answered.
+    """
+
+    n_participants: int
+    rates: Rates
+
+
+@dataclass(frozen=True, eq=False)
+class FigureData:
+    """What the figures of a study show.
+
+    Attributes:
+        counts: (labels, emotions) answers.
+        emotions: signalled labels.
+        labels: answers on offer, the emotions first.
+        groups: levels of each group.
+    """
+
+    counts: NDArray[np.int64]
+    emotions: tuple[str, ...]
+    labels: tuple[str, ...]
+    groups: Mapping[str, Mapping[str, LevelAccuracy]]
+
+
+def figure_data(results: StudyResults) -> FigureData:
+    """Return what the figures show of the results of a study."""
+    groups = {
+        column: {
+            level: LevelAccuracy(
+                block.n_participants or 0,
+                np.array([[test.rate, test.ci_low, test.ci_high] for test in block.recognition.values()]),
+            )
+            for level, block in levels.items()
+        }
+        for column, levels in results.groups.items()
+    }
+    return FigureData(results.counts, results.emotions, results.labels, groups)
+
+
+def study_figures(data: FigureData) -> dict[str, tuple[str, Figure]]:
     """Return all figures that the results allow, by file name, each with its caption."""
-    answers = answers_of(results)
-    made = {"confusion-matrix": ("Answers to each video: percent, and counts", confusion_figure(*answers))}
-    if set(results["emotions"]) <= set(POSITIONS):
-        caption = "Answers on the valence-arousal plane; a bubble's diameter is proportional to the answers"
+    answers = answers_of(data)
+    made = {"confusion-matrix": (_caption(data), confusion_figure(*answers))}
+    if set(data.emotions) <= set(POSITIONS):
+        caption = (
+            "Answers on the circumplex of valence and arousal: at each signaled emotion (cross), a bubble for each label "
+            "that was given; its diameter is proportional to the number in it."
+        )
         made["circumplex"] = (caption, circumplex_figure(*answers))
-    for column, levels in results["groups"].items():
+    for column, levels in data.groups.items():
         if levels:
-            figure = accuracy_figure(*recognition_of(results, column))
-            made[_file_name(column, made)] = (f"Recognition by {column.replace('_', ' ')}", figure)
+            name = column.replace("_", " ")
+            caption = f"Share of right answers by {name}, with 95% Wilson intervals; the dashed line is guessing."
+            made[_file_name(column, made)] = (caption, accuracy_figure(*recognition_of(data, column)))
     return made
+
+
+def _caption(data: FigureData) -> str:
+    return (
+        f"Confusion matrix of {data.counts.sum()} answers: percent of the answers to each signaled emotion (columns), "
+        "and counts in brackets. Right answers are bold."
+    )
 
 
 def _file_name(column: str, taken: Collection[str]) -> str:
@@ -43,39 +99,34 @@ def _file_name(column: str, taken: Collection[str]) -> str:
     return next(free for free in chain([name], numbered) if free.casefold() not in used)
 
 
-def answers_of(results: Results) -> Answers:
+def answers_of(data: FigureData) -> Answers:
     """Return what `confusion_figure` takes: counts (perceived, signalled), signalled and perceived labels."""
-    return np.array(results["counts"]), results["emotions"], results["labels"]
+    return data.counts, data.emotions, data.labels
 
 
-def placed_answers_of(results: Results) -> Answers:
+def placed_answers_of(data: FigureData) -> Answers:
     """Return what `circumplex_figure` takes.
 
     Raises:
         InputError: if an emotion has no place in the plane.
     """
-    if unplaced := [emotion for emotion in results["emotions"] if emotion not in POSITIONS]:
+    if unplaced := [emotion for emotion in data.emotions if emotion not in POSITIONS]:
         raise InputError(f"the study has no place on the circumplex for {', '.join(unplaced)}")
-    return answers_of(results)
+    return answers_of(data)
 
 
-def recognition_of(results: Results, column: str) -> tuple[Rates, Rates, Rates, Sequence[str], Sequence[str], float]:
-    """Return what `accuracy_figure` takes: how many of each level of a group recognised each emotion.
+def recognition_of(data: FigureData, column: str) -> tuple[Rates, Rates, Rates, Sequence[str], Sequence[str], float]:
+    """Return what `accuracy_figure` takes: how many of each level of a group recognized each emotion.
 
     Raises:
         InputError: if the study has no such group.
     """
-    levels = results["groups"].get(column)
+    levels = data.groups.get(column)
     if not levels:
-        known = ", ".join(results["groups"]) or "none"
-        raise InputError(f"the study has no group {column}; its groups: {known}")
-    found = [[block["recognition"][name] for name in results["emotions"]] for block in levels.values()]
-    rates, low, high = (
-        np.array([[np.nan if video[key] is None else video[key] for video in row] for row in found], dtype=float)
-        for key in ("rate", "ci_low", "ci_high")
-    )
-    names = [f"{_level_name(column, level)} (n = {block['n_participants']})" for level, block in levels.items()]
-    return rates, low, high, results["emotions"], names, 1 / len(results["labels"])
+        raise InputError(f"the study has no group {column}; its groups: {', '.join(data.groups) or 'none'}")
+    rates, low, high = np.moveaxis(np.array([level.rates for level in levels.values()]), -1, 0)
+    names = [f"{_level_name(column, level)} (n = {found.n_participants})" for level, found in levels.items()]
+    return rates, low, high, data.emotions, names, 1 / len(data.labels)
 
 
 def _level_name(column: str, level: str) -> str:

@@ -3,16 +3,16 @@
 Probabilities have three decimals and no leading zero, other statistics two; degrees of freedom come before N.
 """
 
+from functools import singledispatch
 from math import isnan
 
-from emovid.statistics.circumplex import NearNeighbours
 from emovid.statistics.compare import Compared
-from emovid.statistics.dependence import Agreement, LabelUse, VideosDiffer
+from emovid.statistics.confusions import NearNeighbors
 from emovid.statistics.goodness import Goodness
-from emovid.statistics.groups import RatesDiffer, ScoresDiffer
-from emovid.statistics.pairs import Pair
-from emovid.statistics.permutation_tests import Order, TotalRecognition
-from emovid.statistics.recognition import AgainstChance
+from emovid.statistics.groups import Pair, RatesDiffer, ScoresDiffer
+from emovid.statistics.participants import Agreement, LabelUse, Order, TotalRecognition, VideosDiffer
+from emovid.statistics.recognition import Accuracy, AgainstChance
+from emovid.statistics.resampling import Information
 
 _MINUS = "\N{MINUS SIGN}"
 _CHI2 = "\N{GREEK SMALL LETTER CHI}\N{SUPERSCRIPT TWO}"
@@ -21,8 +21,23 @@ _UNKNOWN = "n/a"
 _RATE_TESTS = {
     "exact": "Fisher\u2019s exact",
     "Monte Carlo": "Fisher, Freeman and Halton\u2019s",
-    "chi-squared": f"Pearson\u2019s {_CHI2}",
+    "permutation": "permutation of participants,",
 }
+
+
+@singledispatch
+def sentence(test: object) -> str:
+    """Return the string that reports a test.
+
+    Raises:
+        TypeError: for anything that is no test.
+    """
+    raise TypeError(f"{type(test).__name__} is no test")
+
+
+def has_sentence(kind: type) -> bool:
+    """Return whether `sentence` knows this type of results."""
+    return sentence.dispatch(kind) is not sentence.dispatch(object)
 
 
 def p_value(p: float, name: str = "p", draws: int = 0) -> str:
@@ -49,6 +64,7 @@ def proportion(hits: int, n: int, low: float, high: float) -> str:
     return f"{hits}/{n} ({100 * hits / n:.1f}%, 95% CI [{100 * low:.1f}, {100 * high:.1f}])"
 
 
+@sentence.register
 def goodness(test: Goodness) -> str:
     """Return Pearson's goodness of fit."""
     return f"{_chi_squared(test.statistic, test.dof, test.n)}, {p_value(test.p)}, w = {number(test.cohens_w)}"
@@ -56,83 +72,130 @@ def goodness(test: Goodness) -> str:
 
 def goodness_exact(test: Goodness) -> str:
     """Return the exact or Monte Carlo p of the same statistic."""
-    p = p_value(test.p_exact, draws=test.draws) if test.draws else p_value(test.p_exact, "exact p")
-    return f"{_chi_squared(test.statistic, test.dof, test.n)}, {p}, w = {number(test.cohens_w)}"
+    return f"{_chi_squared(test.statistic, test.dof, test.n)}, {exact_p(test)}, w = {number(test.cohens_w)}"
+
+
+def exact_p(test: Goodness) -> str:
+    """Return the exact or Monte Carlo p alone."""
+    return p_value(test.p_exact, draws=test.draws) if test.draws else p_value(test.p_exact, "exact p")
 
 
 def _chi_squared(statistic: float, dof: int, n: int) -> str:
     return f"{_CHI2}({dof}, N = {n}) = {number(statistic)}"
 
 
+@sentence.register
 def binomial(test: AgainstChance) -> str:
-    """Return the rate and the one-sided exact binomial test against chance, as it is and after Holm."""
+    """Return the rate and the one-sided exact test against chance, as it is and after Holm."""
     rate = proportion(test.hits, test.n, test.ci_low, test.ci_high)
-    return f"{rate}, exact binomial {p_value(test.p_binomial)}, {p_value(test.p_holm, 'Holm p')}"
+    return f"{rate}, one-sided {test.method} {p_value(test.p_binomial)}, {p_value(test.p_holm, 'Holm p')}"
 
 
+@sentence.register
+def overall(test: Accuracy) -> str:
+    """Return the rate of all answers together."""
+    if isnan(test.ci_low):
+        return f"{test.hits}/{test.n} ({100 * test.rate:.1f}%)" if test.n else "0/0"
+    return proportion(test.hits, test.n, test.ci_low, test.ci_high)
+
+
+@sentence.register
+def information(test: Information) -> str:
+    """Return the mutual information in bits."""
+    interval = "" if isnan(test.ci_low) else f", 95% CI [{number(test.ci_low)}, {number(test.ci_high)}]"
+    return f"{number(test.bits)} of {number(test.most)} bits{interval}"
+
+
+@sentence.register
 def cochrans_q(test: VideosDiffer) -> str:
-    """Return Cochran's Q."""
-    return f"Q({test.dof}) = {number(test.statistic)}, {p_value(test.p)}"
+    """Return Cochran's Q, with how many participants it rests on."""
+    if isnan(test.p):
+        return f"Q undefined: none of {test.participants} participants has both hits and misses"
+    return f"Q({test.dof}, n = {test.informative}) = {number(test.statistic)}, {p_value(test.p)}"
 
 
+@sentence.register
 def fleiss_kappa(test: Agreement) -> str:
     """Return Fleiss' kappa."""
-    return f"Fleiss\u2019 {_KAPPA} = {number(test.kappa)}"
+    return f"Fleiss\u2019 {_KAPPA} = {number(test.kappa)}, n = {test.participants}"
 
 
+@sentence.register
 def label_use(test: LabelUse) -> str:
-    """Return the test of preferred labels."""
-    return f"{_CHI2}({test.dof}) = {number(test.statistic)}, {p_value(test.p, draws=test.draws)}"
+    """Return the test of preferred labels among errors."""
+    if isnan(test.p):
+        return f"undefined: {test.participants} participants with errors"
+    return f"F({test.dof[0]}, {test.dof[1]}) = {number(test.statistic)}, {p_value(test.p)}"
 
 
+@sentence.register
 def total_recognition(test: TotalRecognition) -> str:
     """Return all hits against those of shuffled answers."""
-    name = "exact p" if test.method == "exact" else "p"
+    name = "one-sided exact p" if test.method == "exact" else "one-sided p"
     return f"{test.hits}/{test.n} right, {number(test.expected)} expected, {p_value(test.p, name)}"
 
 
+@sentence.register
 def order_effect(test: Order) -> str:
     """Return the change of the hit rate per position, in percentage points."""
     return f"{number(100 * test.slope)} points per position, {p_value(test.p, draws=test.draws)}"
 
 
+@sentence.register
 def scores_differ(test: ScoresDiffer) -> str:
     """Return the groups' mean scores in percent and the permutation test."""
     means = ", ".join(f"{name} {100 * mean:.1f}%" for name, mean in zip(test.levels, test.means, strict=True))
     p = p_value(test.p, draws=test.draws) if test.draws else p_value(test.p, "exact p")
-    return f"{means}: permutation test, {p}"
+    kind = "studentized permutation test" if test.studentized else "permutation test"
+    return f"{means}: {kind}, {p}, {p_value(test.p_holm, 'Holm p')}"
 
 
+@sentence.register
 def rates_differ(test: RatesDiffer) -> str:
-    """Return the groups' hits on a video and the test of the difference, as it is and after Holm."""
+    """Return the groups' hits on an emotion and the test of the difference, as it is and after Holm."""
     hits = ", ".join(f"{name} {h}/{m}" for name, h, m in zip(test.levels, test.hits, test.n, strict=True))
     return f"{hits}: {_RATE_TESTS[test.method]} {p_value(test.p, draws=test.draws)}, {p_value(test.p_holm, 'Holm p')}"
 
 
+@sentence.register
 def difference(pair: Pair) -> str:
-    """Return a difference in percentage points with its interval, bound of equivalence and Bayes factor."""
+    """Return a difference in percentage points with its interval, test of equivalence and Bayes factor."""
     low, high, points = (number(100 * value, 1) for value in (pair.ci_low, pair.ci_high, pair.difference))
     if isnan(pair.bound):
         return f"{points} points, no interval"
-    bound = f"equivalent within \N{PLUS-MINUS SIGN}{number(100 * pair.bound, 1)} points"
-    return f"{points} points, 95% CI [{low}, {high}], {bound}, {bayes_factor(pair.bf01)}"
+    return f"{points} points, 95% CI [{low}, {high}], {equivalence(pair)}, {bayes_factor(pair.bf01)}"
 
 
-def bayes_factor(bf01: float) -> str:
+def equivalence(pair: Pair) -> str:
+    """Return whether a pair is equivalent within the margin set beforehand; without one, what is not shown."""
+    if pair.equivalent is None:
+        return f"equivalence not shown below {number(100 * pair.bound, 1)} points"
+    shown = "equivalent" if pair.equivalent else "equivalence not shown"
+    return f"{shown} within \N{PLUS-MINUS SIGN}{number(100 * pair.margin, 1)} points"
+
+
+def bayes_factor(value: float, name: str = "BF01") -> str:
     """Return "BF01 = 3.21", or a bound beyond 1,000 either way."""
-    if isnan(bf01):
-        return f"BF01 {_UNKNOWN}"
-    return "BF01 > 1,000" if bf01 > 1000 else "BF01 < 0.001" if bf01 < 0.001 else f"BF01 = {bf01:.{2 + (bf01 < 0.1)}f}"
+    if isnan(value):
+        return f"{name} {_UNKNOWN}"
+    if value > 1000:
+        return f"{name} > 1,000"
+    return f"{name} < 0.001" if value < 0.001 else f"{name} = {value:.{2 + (value < 0.1)}f}"
 
 
-def near_neighbours(test: NearNeighbours) -> str:
+@sentence.register
+def near_neighbors(test: NearNeighbors) -> str:
     """Return the mean distance of confusions on the circle."""
     if not test.confusions:
         return "no confusions of emotions that have a place on it"
     distance, expected = number(test.mean_distance, 1), number(test.expected, 1)
-    return f"mean distance {distance}\N{DEGREE SIGN}, {expected}\N{DEGREE SIGN} expected, {p_value(test.p, 'exact p')}"
+    said = f"mean distance {distance}\N{DEGREE SIGN}, {expected}\N{DEGREE SIGN} expected"
+    if isnan(test.p):
+        return f"{said}, cannot be tested: the margins fix the distance"
+    return f"{said}, {p_value(test.p, 'one-sided p')}" + (f" (B = {test.draws:,})" if test.draws else "")
 
 
+@sentence.register
 def compared(test: Compared) -> str:
     """Return the whole-matrix test of a replication."""
     return f"{_CHI2}({test.dof}) = {number(test.statistic)}, {p_value(test.p_monte_carlo, draws=test.draws)}"

@@ -1,251 +1,291 @@
-"""From responses to everything that `results.json` holds: the door of this room.
+"""From responses to the results of a study."""
 
-Each block of results is a plain dictionary, so that what is written, reported and drawn is one thing.
-"""
-
-import math
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, is_dataclass
-from typing import Any
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
-from emovid.report import apa
+from emovid.responses.dialects.people import MOST_LEVELS
 from emovid.responses.labels import NONE
-from emovid.responses.participants import MOST_LEVELS
 from emovid.responses.responses import Responses
-from emovid.statistics.circumplex import ANGLES, near_neighbours
-from emovid.statistics.confusion import percent
-from emovid.statistics.dependence import agreement, label_use, videos_differ
-from emovid.statistics.goodness import adjusted_residuals, goodness_by_video
+from emovid.statistics.circumplex import ANGLES, AROUSAL, VALENCE
+from emovid.statistics.confusions import near_neighbors, percent, quasi_independence
+from emovid.statistics.goodness import goodness_of_fit
 from emovid.statistics.groups import MIN_GROUP, levels_of, rates_differ, scores_differ
-from emovid.statistics.permutation_tests import order_effect, total_recognition
-from emovid.statistics.recognition import AROUSAL, VALENCE, Collapsed, collapse, recognise, unbiased_hit_intervals
+from emovid.statistics.participants import agreement, label_use, order_effect, total_recognition, videos_differ
+from emovid.statistics.proportions import holm
+from emovid.statistics.recognition import Uses, accuracy, against_chance, collapse, corrected, recognize
+from emovid.statistics.resampling import information, resampled_counts, unbiased_hit_intervals
+from emovid.statistics.results import AnswerResults, Dependence, GroupDifferences, StudyResults, VideoResults
+from emovid.statistics.showings import Showings, showings_of
 
 Counts = NDArray[np.int64]
-Block = dict[str, Any]
+Groups = Mapping[str, Mapping[str, AnswerResults]]
 
 ALPHA = 0.05
 # Below this expected count Pearson's test is poor; W. Cochran, Biometrics 10, 1954.
 SMALL_EXPECTED = 5
+_POLES = {"valence": VALENCE, "arousal": AROUSAL}
 
 
-def analyze(responses: Responses, by: Sequence[str] = (), seed: int = 0) -> Block:
-    """Return the results of a study, ready for JSON: NaN is None, and arrays are lists.
+def analyze(responses: Responses, by: Sequence[str] = (), seed: int = 0, margin: float | None = None) -> StudyResults:
+    """Return the results of a study.
 
     Args:
         responses: the answers.
-        by: group columns to analyse by; if left out, all that the participants have of at most `MOST_LEVELS` levels,
-            which an age in years is not.
+        by: group columns to analyze by, named beforehand; if left out, all that the participants have of at most
+            `MOST_LEVELS` levels, which an age in years is not.
         seed: of every bootstrap, permutation and Monte Carlo test.
+        margin: of equivalence between groups, as a share, set beforehand.
     """
-    choices, k = responses.choices(), len(responses.labels)
+    showings, uses = showings_of(responses), None
     levels = {name: len(levels_of(list(column))) for name, column in responses.participants.items()}
     columns = list(by) or [name for name in responses.participants.columns if levels[name] <= MOST_LEVELS]
-    results = {
-        **_matrix_results(responses.counts(), responses.labels, responses.signalled, seed),
-        "n_participants": len(responses.participants),
-        "n_videos": int(responses.answers["video"].nunique()),
-        "dependence": _dependence(responses, choices, seed),
-        "groups": {column: _groups(responses, column, seed) for column in columns},
-        "group_differences": {
-            column: _differences(choices, list(responses.participants[column]), responses.signalled, seed)
-            for column in columns
-        },
-    }
-    intervals = unbiased_hit_intervals(choices, k, seed)
-    for name, (low, high) in zip(responses.signalled, intervals.tolist(), strict=True):
-        results["recognition"][name] |= {"hu_low": _number(low), "hu_high": _number(high)}
-    results["warnings"] = [*_warnings(results), *_reading_warnings(responses, choices)]
-    results["warnings"] += [
-        f"{name}: {levels[name]} levels, too many for a group; --by {name} compares them all the same"
-        for name in responses.participants.columns
-        if not by and name not in columns
-    ]
-    return results
+    several = _several(showings)
+    if several:
+        uses = showings.by_emotion()
+    samples = resampled_counts(showings, seed)
+    hits, n = (showings.choices == showings.right).sum(axis=1), (showings.choices >= 0).sum(axis=1)
+    results = _of_matrix(
+        responses.counts(),
+        responses.labels,
+        responses.signalled,
+        seed,
+        uses,
+        unbiased_hit_intervals(showings, samples),
+    )
+    results = replace(
+        results,
+        n_participants=len(responses.participants),
+        n_videos=len(set(showings.videos)),
+        videos=_videos(showings, responses.signalled, seed)
+        if len(set(showings.videos)) > len(set(showings.right))
+        else {},
+        accuracy=accuracy(results.counts, hits, n),
+        information=information(results.counts, samples, seed),
+        dependence=_dependence(showings, responses.labels, seed),
+        groups=_corrected_groups({column: _groups(responses, showings, column, seed) for column in columns}),
+        group_differences=_corrected_differences(
+            {
+                column: GroupDifferences(
+                    confirmatory=bool(by),
+                    scores=scores_differ(showings, list(responses.participants[column]), seed, margin),
+                    videos=dict(
+                        zip(
+                            responses.signalled,
+                            rates_differ(showings, list(responses.participants[column]), seed, margin),
+                            strict=True,
+                        )
+                    ),
+                )
+                for column in columns
+            }
+        ),
+    )
+    too_many = [name for name in responses.participants.columns if not by and name not in columns]
+    return replace(
+        results,
+        warnings=(*_warnings(results), *_reading_warnings(responses, showings)),
+        notes=(
+            *_notes(results, several),
+            *responses.notes(),
+            *(
+                f"{name}: {levels[name]} levels, too many for a group; --by {name} compares them all the same"
+                for name in too_many
+            ),
+        ),
+    )
 
 
-def analyze_counts(counts: Counts, labels: Sequence[str], signalled: Sequence[str], seed: int = 0) -> Block:
+def analyze_counts(counts: Counts, labels: Sequence[str], signalled: Sequence[str], seed: int = 0) -> StudyResults:
     """Return the results that a confusion matrix (labels, signalled) alone can give: a published table, say."""
-    results = _matrix_results(counts, labels, signalled, seed)
+    results = _of_matrix(counts, labels, signalled, seed)
+    note = "participants are not known: answers count as independent, and nothing is tested within participants"
+    return replace(results, warnings=tuple(_warnings(results)), notes=(note,))
+
+
+def _several(showings: Showings) -> bool:
+    """Return whether a participant answered more than one showing of an emotion."""
+    return any((uses.sum(axis=1) > 1).any() for uses in showings.by_emotion())
+
+
+def _of_matrix(
+    counts: Counts,
+    labels: Sequence[str],
+    signalled: Sequence[str],
+    seed: int,
+    uses: Uses | None = None,
+    intervals: NDArray[np.float64] | None = None,
+) -> StudyResults:
+    """Return the results of a confusion matrix; `uses` and `intervals` as for `recognize`."""
+    errors = quasi_independence(counts)
+    collapsed = {name: collapse(counts, labels, poles, ALPHA, uses) for name, poles in _POLES.items()}
+    return StudyResults(
+        **vars(_answers(counts, signalled, seed, None, uses, intervals)),
+        emotions=tuple(signalled),
+        labels=tuple(labels),
+        n_videos=None,
+        videos={},
+        accuracy=accuracy(counts),
+        information=information(counts, None),
+        expected_errors=errors.expected,
+        adjusted_residuals=errors.residuals,
+        collapsed={name: found for name, found in collapsed.items() if found.videos},
+        near_neighbours=near_neighbors(counts, labels, seed),
+        dependence=None,
+        groups={},
+        group_differences={},
+        warnings=(),
+        notes=(),
+    )
+
+
+def _answers(
+    counts: Counts,
+    signalled: Sequence[str],
+    seed: int,
+    people: int | None,
+    uses: Uses | None,
+    intervals: NDArray[np.float64] | None = None,
+) -> AnswerResults:
+    fits = [goodness_of_fit(column, seed, None if uses is None else uses[j]) for j, column in enumerate(counts.T)]
+    return AnswerResults(
+        n_participants=people,
+        n_responses=int(counts.sum()),
+        counts=counts,
+        percent=percent(counts),
+        goodness_of_fit=dict(zip(signalled, fits, strict=True)),
+        recognition=dict(zip(signalled, recognize(counts, ALPHA, uses, intervals), strict=True)),
+    )
+
+
+def _videos(showings: Showings, signalled: Sequence[str], seed: int) -> dict[str, VideoResults]:
+    """Return the results of each video by its code."""
+    emotions = dict(zip(showings.videos, showings.right.tolist(), strict=True))
+    uses = [showings.uses(np.array(showings.videos) == video) for video in emotions]
+    counts = np.stack([used.sum(axis=0) for used in uses], axis=1)
+    right = np.arange(showings.k)[:, None] == np.array(list(emotions.values()))
+    tests = against_chance(counts, right, ALPHA, uses)
     return {
-        **results,
-        "n_participants": None,
-        "dependence": {},
-        "groups": {},
-        "group_differences": {},
-        "warnings": _warnings(results),
-    }
-
-
-def _matrix_results(counts: Counts, labels: Sequence[str], signalled: Sequence[str], seed: int) -> Block:
-    by_pole = {name: collapse(counts, labels, poles) for name, poles in (("valence", VALENCE), ("arousal", AROUSAL))}
-    return {
-        "emotions": list(signalled),
-        "labels": list(labels),
-        **_block(counts, signalled, seed),
-        "adjusted_residuals": in_json(adjusted_residuals(counts)),
-        "collapsed": {name: _collapsed(found) for name, found in by_pole.items() if found.videos},
-        "near_neighbours": _said(near_neighbours(counts, labels), apa.near_neighbours),
-    }
-
-
-def _collapsed(found: Collapsed) -> Block:
-    """Return the recognition of a pole, video by video."""
-    return {
-        "table": found.table.tolist(),
-        "videos": {name: _said(test, apa.binomial) for name, test in found.videos.items()},
-    }
-
-
-def _block(counts: Counts, signalled: Sequence[str], seed: int) -> Block:
-    """Return the results that a whole study and each of its groups have."""
-    fits, recognised = goodness_by_video(counts, seed), recognise(counts, ALPHA)
-    return {
-        "n_responses": int(counts.sum()),
-        "counts": counts.tolist(),
-        "percent": in_json(percent(counts)),
-        "goodness_of_fit": {
-            name: {**_said(fit, apa.goodness), "apa_exact": apa.goodness_exact(fit)}
-            for name, fit in zip(signalled, fits, strict=True)
-        },
-        "recognition": {name: _said(found, apa.binomial) for name, found in zip(signalled, recognised, strict=True)},
-    }
-
-
-def _groups(responses: Responses, column: str, seed: int) -> Block:
-    """Return a block for each level of a group column."""
-    levels = responses.participants[column].dropna()
-    levels = levels[levels != ""]
-    blocks = {}
-    for level in sorted(levels.unique()):
-        members = levels.index[levels == level]
-        answers = responses.answers[responses.answers["participant"].isin(members)]
-        counts = count(answers, responses.labels, responses.signalled)
-        blocks[str(level)] = {"n_participants": len(members), **_block(counts, responses.signalled, seed)}
-    return blocks
-
-
-def count(answers: pd.DataFrame, labels: Sequence[str], signalled: Sequence[str]) -> Counts:
-    """Return the confusion matrix (labels, signalled) of some of the answers."""
-    return Responses(tuple(signalled), tuple(labels), answers, pd.DataFrame()).counts()
-
-
-def _dependence(responses: Responses, choices: Counts, seed: int) -> Block:
-    """Return the tests that take a participant's answers together."""
-    k = len(responses.labels)
-    return {
-        "fleiss_kappa": _said(agreement(choices, k), apa.fleiss_kappa),
-        "cochran_q": _said(videos_differ(choices), apa.cochrans_q),
-        "total_recognition": _said(total_recognition(choices), apa.total_recognition),
-        "label_use": _said(label_use(choices, k, seed), apa.label_use),
-        "order": _order(responses, choices, seed),
-    }
-
-
-def _differences(choices: Counts, group: list[object], signalled: Sequence[str], seed: int) -> Block:
-    """Return how the levels of a group differ: in their scores, and video by video."""
-    scores = scores_differ(choices, group, seed)
-    rates = rates_differ(choices, group, seed)
-    return {
-        "scores": {**_said(scores, apa.scores_differ), "pairs": [_said(pair, apa.difference) for pair in scores.pairs]},
-        "videos": {
-            name: {**_said(test, apa.rates_differ), "pairs": [_said(pair, apa.difference) for pair in test.pairs]}
-            for name, test in zip(signalled, rates, strict=True)
-        },
-    }
-
-
-def _order(responses: Responses, choices: Counts, seed: int) -> Block | None:
-    """Return the effect of the position in which a video was shown, None where positions are not known."""
-    if responses.answers["position"].isna().all():
-        return None
-    return _said(order_effect(choices, responses.positions(), seed), apa.order_effect)
-
-
-def _warnings(results: Block) -> list[str]:
-    """Return what the statistics of the whole study warn of, and those of small groups."""
-    said = [*_label_warnings(results), *_fit_warnings(results)]
-    for column, levels in results.get("groups", {}).items():
-        small = [level for level, block in levels.items() if block["n_participants"] < MIN_GROUP]
-        if small:
-            said.append(
-                f"{column}: fewer than {MIN_GROUP} participants in {', '.join(small)}; read their tests as hints"
-            )
-    if results.get("n_participants"):
-        said.append(
-            "answers of one participant depend on each other: tests across videos permute or resample participants"
+        video: VideoResults(
+            emotion=signalled[emotion],
+            counts=counts[:, j],
+            goodness_of_fit=goodness_of_fit(counts[:, j], seed, uses[j]),
+            recognition=tests[j],
         )
-    return said
+        for j, (video, emotion) in enumerate(emotions.items())
+    }
 
 
-def _label_warnings(results: Block) -> Iterable[str]:
-    """Yield what labels have that are other than the paper's six, each with a video of its own."""
-    without = [label for label in results["labels"] if label not in results["emotions"] and label != NONE]
+def _dependence(showings: Showings, labels: Sequence[str], seed: int) -> Dependence:
+    choices, positions, right = showings.choices, showings.positions, showings.right
+    known = bool((positions >= 1).any())
+    return Dependence(
+        fleiss_kappa=agreement(choices, showings.k),
+        cochran_q=videos_differ(choices, right),
+        total_recognition=total_recognition(choices, right),
+        label_use=label_use(showings, np.array([label != NONE for label in labels])),
+        order=order_effect(choices, positions, right, seed) if known else None,
+    )
+
+
+def _groups(responses: Responses, showings: Showings, column: str, seed: int) -> dict[str, AnswerResults]:
+    """Return the results of each level of a group column."""
+    levels = responses.participants[column].to_numpy()
+    found = {}
+    for level in levels_of(list(levels)):
+        members = showings.of(levels == level)
+        uses = members.by_emotion() if _several(members) else None
+        found[level] = _answers(members.counts(), responses.signalled, seed, len(members.choices), uses)
+    return found
+
+
+def _corrected_groups(groups: Groups) -> Groups:
+    """Return groups with Holm's correction over all their tests against chance: every column, level and emotion."""
+    blocks = [(column, level) for column, levels in groups.items() for level in levels]
+    tests = iter(corrected([test for c, level in blocks for test in groups[c][level].recognition.values()], ALPHA))
+    return {
+        column: {
+            level: replace(block, recognition={name: next(tests) for name in block.recognition})
+            for level, block in levels.items()
+        }
+        for column, levels in groups.items()
+    }
+
+
+def _corrected_differences(found: Mapping[str, GroupDifferences]) -> dict[str, GroupDifferences]:
+    """Return differences with Holm's correction over all columns: of the scores, and of the emotions."""
+    scores = iter(holm(np.array([column.scores.p for column in found.values()], dtype=float)).tolist())
+    videos = iter(
+        holm(np.array([t.p for column in found.values() for t in column.videos.values()], dtype=float)).tolist()
+    )
+    return {
+        name: replace(
+            column,
+            scores=replace(column.scores, p_holm=next(scores)),
+            videos={video: replace(test, p_holm=next(videos)) for video, test in column.videos.items()},
+        )
+        for name, column in found.items()
+    }
+
+
+def _warnings(results: StudyResults) -> Iterable[str]:
+    """Yield what limits the results: small numbers, and labels other than the paper's six."""
+    yield from _fit_warnings(results)
+    for column, levels in results.groups.items():
+        small = [level for level, block in levels.items() if (block.n_participants or 0) < MIN_GROUP]
+        if small:
+            yield f"{column}: fewer than {MIN_GROUP} participants in {', '.join(small)}; read their tests as hints"
+    without = [label for label in results.labels if label not in results.emotions and label != NONE]
     if without:
         yield f"no video stands for {', '.join(without)}: rows of the matrix without a column"
-    unplaced = [name for name in results["emotions"] if name not in ANGLES]
+    unplaced = [name for name in results.emotions if name not in ANGLES]
     if unplaced:
         yield (
             f"{', '.join(unplaced)}: no known place on the circumplex, so there is no figure of it, and tests of "
-            "valence, arousal and near neighbours leave them out"
+            "valence, arousal and near neighbors leave them out"
         )
 
 
-def _fit_warnings(results: Block) -> Iterable[str]:
-    for j, (name, fit) in enumerate(results["goodness_of_fit"].items()):
-        found = results["recognition"][name]
-        if not fit["n"]:
+def _fit_warnings(results: StudyResults) -> Iterable[str]:
+    for j, (name, fit) in enumerate(results.goodness_of_fit.items()):
+        if not fit.n:
             yield f"{name}: no answers to a video of it"
-        elif fit["expected"] < SMALL_EXPECTED:
-            yield f"{name}: {fit['expected']:.1f} answers a cell are expected, under {SMALL_EXPECTED}: use the exact p"
-        if fit["p_exact"] <= ALPHA and not found["above_chance"]:
-            column = [row[j] for row in results["counts"]]
-            most = [label for label, n in zip(results["labels"], column, strict=True) if n == max(column)]
+        elif fit.expected < SMALL_EXPECTED:
+            yield f"{name}: {fit.expected:.1f} answers a cell are expected, under {SMALL_EXPECTED}: use the exact p"
+        if fit.p_exact <= ALPHA and not results.recognition[name].above_chance:
+            column = results.counts[:, j]
+            most = [label for label, n in zip(results.labels, column, strict=True) if n == column.max()]
             why = (
                 "yet it is not above chance"
                 if name in most
-                else f"but not because it was recognised: most said {' and '.join(most)}"
+                else f"but not because it was recognized: most said {' and '.join(most)}"
             )
             yield f"{name}: the answers are not uniform, {why}"
 
 
-def _reading_warnings(responses: Responses, choices: Counts) -> Iterable[str]:
-    shown = choices[:, (choices >= 0).any(axis=0)]
-    missing = int((shown < 0).sum())
-    if missing:
-        yield f"{missing} of {shown.size} answers are missing"
-    more = len(responses.answers) - int((choices >= 0).sum())
-    if more:
-        yield (
-            f"{more} answers are a participant's second or later to one emotion: tests of single emotions take them as "
-            "independent, those that take a participant's answers together leave them out"
-        )
-    yield from responses.notes()
+def _reading_warnings(responses: Responses, showings: Showings) -> Iterable[str]:
     if responses.rejected:
         yield f"{len(responses.rejected)} rows or cells were not used: see rejected.csv"
     if responses.dropped:
         yield "participants left out: " + ", ".join(f"{number} {why}" for why, number in responses.dropped.items())
+    by_video = len(set(showings.videos)) * len(showings.choices)
+    missing = by_video - len(responses.answers.drop_duplicates(["participant", "video"]))
+    if missing:
+        yield f"{missing} of {by_video} answers are missing"
 
 
-def _said(test: Any, say: Callable[[Any], str]) -> Block:
-    """Return a test's results, and beside them the sentence that reports it."""
-    return {**in_json(test), "apa": say(test)}
-
-
-def in_json(value: Any) -> Any:
-    """Return a result in JSON's types, None for what is no number."""
-    if is_dataclass(value) and not isinstance(value, type):
-        return {name: in_json(item) for name, item in asdict(value).items()}
-    if isinstance(value, dict):
-        return {str(name): in_json(item) for name, item in value.items()}
-    if isinstance(value, list | tuple | np.ndarray):
-        return [in_json(item) for item in value]
-    return _number(value)
-
-
-def _number(value: Any) -> Any:
-    single = value.item() if isinstance(value, np.generic) else value
-    return None if isinstance(single, float) and not math.isfinite(single) else single
+def _notes(results: StudyResults, several: bool) -> Iterable[str]:
+    """Yield what holds of every study of this kind."""
+    yield "answers of one participant depend on each other: tests across videos permute or resample participants"
+    if several:
+        yield (
+            "participants answered several videos of one emotion: the results of an emotion pool all of them, tests "
+            "permute each participant's answers together, and intervals use the effective number of answers"
+        )
+    exploratory = [name for name, found in results.group_differences.items() if not found.confirmatory]
+    if exploratory:
+        yield (
+            f"{', '.join(exploratory)}: groups found in the data, not named with --by, so their tests are exploratory"
+        )

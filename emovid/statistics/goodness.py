@@ -1,8 +1,8 @@
-"""Goodness of fit: whether the answers to a video are spread evenly over the labels, and which answers stand out.
+"""Goodness of fit: whether the answers to the videos of an emotion are spread evenly over the labels.
 
-Tests of the answers to one video take one answer of each participant, so these are independent. A rejection says that
-the answers are not uniform, not that the video was recognised: a wrong label that everyone gives rejects as well
-(`recognition` asks the other question).
+One answer of each participant makes independent answers; several are permuted over the labels together. A rejection
+says that the answers are not uniform, not that the emotion was recognized: a wrong label that everyone gives rejects as
+well (`recognition` asks the other question).
 """
 
 from dataclasses import dataclass
@@ -10,26 +10,28 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import gammaln
-from scipy.stats import chisquare
+from scipy.special import chdtrc, gammaln
 
 # Ours: a third of a second. Six labels reach it at n = 144, twelve at n = 70.
 MOST_PARTITIONS = 1_000_000
 # Ours: the standard error of a p of 0.05 is then 0.002.
 DRAWS = 9_999
+_BATCH = 2_000_000  # permuted values at once
 
 
 @dataclass(frozen=True)
 class Goodness:
-    """Answers to one video against equal shares of all labels.
+    """Answers to the videos of one emotion against equal shares of all labels.
 
     Attributes:
         n: answers.
-        statistic: Pearson's chi-squared.
+        statistic: Pearson's chi-squared; where participants gave several answers, the quadratic permutation statistic,
+            which is Pearson's where each gave one.
         dof: its degrees of freedom, one less than there are labels.
-        p: from the chi-squared distribution, poor where `expected` is below 5 (Cochran 1954).
+        p: from the chi-squared distribution, poor where `expected` is below 5 (Cochran 1954); NaN without answers.
         p_exact: probability, under equal shares, of a statistic at least as large; an estimate if `draws` is not 0.
-        method: of `p_exact`, "exact" or "Monte Carlo".
+        method: of `p_exact`, "exact" or "Monte Carlo" (multinomial samples, or permutations of each participant's
+            answers over the labels).
         draws: Monte Carlo samples.
         seed: of the samples, None for an exact p.
         cohens_w: effect size, NaN without answers.
@@ -48,32 +50,59 @@ class Goodness:
     expected: float
 
 
-def goodness_of_fit(counts: NDArray[np.int64], seed: int = 0) -> Goodness:
-    """Return Pearson's test of `counts` (k,) against equal shares; without answers nothing is rejected: p = 1.
+def goodness_of_fit(counts: NDArray[np.int64], seed: int = 0, uses: NDArray[np.int64] | None = None) -> Goodness:
+    """Return Pearson's test of `counts` (k,) against equal shares.
 
     The exact p orders outcomes by the statistic, as R's chisq.test(simulate.p.value = TRUE) does, and not by their
     probability: the two orders differ. Above `MOST_PARTITIONS` it is estimated from `DRAWS` samples.
+
+    Args:
+        counts: answers by label.
+        seed: of the samples.
+        uses: answers by participant and label (participants, k), which add up to `counts`; needed where participants
+            gave several answers.
     """
     k, n = len(counts), int(counts.sum())
-    exact = partitions(n, k) <= MOST_PARTITIONS
-    statistic, p = map(float, chisquare(counts)) if n else (0.0, 1.0)
+    several = uses is not None and bool((uses.sum(axis=1) > 1).any())
+    exact = not several and partitions(n, k) <= MOST_PARTITIONS
+    statistic, p, p_exact = float("nan"), float("nan"), float("nan")
+    if several:
+        assert uses is not None
+        statistic, p_exact = _permuted(uses, np.random.default_rng(seed))
+    elif n:
+        statistic = float((counts**2).sum() * k / n - n)
+        p_exact = exact_p(counts) if exact else monte_carlo_p(counts, np.random.default_rng(seed))
+    if n:
+        p = float(chdtrc(k - 1, max(statistic, 0.0)))
     return Goodness(
         n=n,
         statistic=statistic,
         dof=k - 1,
         p=p,
-        p_exact=exact_p(counts) if exact else monte_carlo_p(counts, np.random.default_rng(seed)),
+        p_exact=p_exact,
         method="exact" if exact else "Monte Carlo",
         draws=0 if exact else DRAWS,
         seed=None if exact else seed,
-        cohens_w=cohens_w(statistic, n),
+        cohens_w=cohens_w(float((counts**2).sum() * k / max(n, 1) - n), n),
         expected=n / k,
     )
 
 
-def goodness_by_video(counts: NDArray[np.int64], seed: int = 0) -> list[Goodness]:
-    """Return the test of each column of a confusion matrix (labels, signalled)."""
-    return [goodness_of_fit(column, seed) for column in counts.T]
+def _permuted(uses: NDArray[np.int64], rng: np.random.Generator) -> tuple[float, float]:
+    """Return the quadratic statistic of label totals, and its p when each participant's uses are permuted over labels.
+
+    Participants who give all labels equally often say nothing; without others nothing is rejected.
+    """
+    totals, scale = uses.sum(axis=0), float(uses.var(axis=1, ddof=1).sum())
+    if not scale:
+        return 0.0, 1.0
+    at_least, most = 0, (totals**2).sum()
+    batch = max(1, _BATCH // uses.size)
+    for first in range(0, DRAWS, batch):
+        many = min(batch, DRAWS - first)
+        shuffled = rng.permuted(np.broadcast_to(uses, (many, *uses.shape)), axis=2).sum(axis=1)
+        at_least += int(((shuffled**2).sum(axis=1) >= most).sum())
+    return float(((totals - totals.mean()) ** 2).sum() / scale), (1 + at_least) / (1 + DRAWS)
 
 
 def cohens_w(statistic: float, n: int) -> float:
@@ -131,18 +160,3 @@ def _tail(n: int, k: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     np.add.at(probability, place, np.exp(log_weight))
     tail = probability[::-1].cumsum()[::-1]
     return sums, tail / tail[0]
-
-
-def adjusted_residuals(counts: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return (O - E) / sqrt(E (1 - row share) (1 - column share)) of each cell (labels, signalled).
-
-    Beyond 1.96 a cell stands out against rows and columns that say nothing of each other (S. Haberman, Biometrics 29,
-    1973). NaN where a margin is empty or holds every answer. One participant's answers in several columns are treated
-    as independent: a guide to confusions, not a test.
-    """
-    n = counts.sum()
-    row, column = counts.sum(axis=1, keepdims=True), counts.sum(axis=0, keepdims=True)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        expected = row * column / n
-        spread = np.sqrt(expected * (1 - row / n) * (1 - column / n))
-        return np.where(spread > 0, (counts - expected) / spread, np.nan)

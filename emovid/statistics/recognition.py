@@ -1,69 +1,116 @@
 """Recognition: how often each video's label was the answer, against guessing among the labels.
 
 Counts are confusion matrices (labels, signalled), rows perceived, whose first rows are the signalled labels in the
-order of the columns, as in `Responses`: the right answer to column j stands in row j.
+order of the columns, as in `Responses`: the right answer to column j stands in row j. `uses` says, for each column, how
+often each participant gave each label (participants, k); it is needed where participants answered several videos of an
+emotion, since such answers depend on each other. Without it, answers to one emotion count as independent.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
+from itertools import combinations
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import binomtest
-from statsmodels.stats.multitest import multipletests
-from statsmodels.stats.proportion import proportion_confint
+from scipy.special import betaincinv
 
-# Santos and Egerstedt 2021, the footnote on valence after Frijda 1986: True is positive.
-VALENCE = {"happiness": True, "surprise": True, "anger": False, "fear": False, "disgust": False, "sadness": False}
-# True is high: the upper half of the circle of J. Russell, "A circumplex model of affect", 1980 (`circumplex.ANGLES`).
-# Happiness lies just above its middle (8 degrees, "excited" at 49), so the choice matters most for it.
-AROUSAL = {"happiness": True, "surprise": True, "anger": True, "fear": True, "disgust": True, "sadness": False}
+from emovid.statistics.proportions import binomial_tail, effective_n, holm, sum_tail, uniform_bf10, wilson
 
-_BOOTSTRAPS = 2_000
-# Ours: distinct sets of answers times resamples; at most seconds, also for 100 000 participants.
-_BOOTSTRAP_CELLS = 20_000_000
+_Test = TypeVar("_Test", bound="AgainstChance")
+
+Counts = NDArray[np.int64]
+Uses = Sequence[NDArray[np.int64]]
+
+# Above these many participants sums of hits count as normal: convolving their distributions would take minutes.
+MOST_CONVOLVED = 2_000
 
 
 @dataclass(frozen=True)
 class AgainstChance:
-    """Hits against guessing, for one video.
+    """Hits against guessing, for the videos of one emotion.
 
     Attributes:
         hits: right answers.
         n: answers.
+        participants: who gave them.
         rate: hits / n, NaN without answers.
-        ci_low, ci_high: two-sided 95 % interval of the rate (E. Wilson, 1927), 0 and 1 without answers.
+        ci_low, ci_high: two-sided 95 % interval of the rate (E. Wilson, 1927), not corrected for several videos; 0 and
+            1 without answers. Where participants gave several answers, n is replaced by the effective number of them.
         chance: the rate that guessing would have.
-        p_binomial: exact, one-sided: more hits than guessing; 1 without answers.
-        p_holm: after Holm's correction over the videos that have answers.
+        p_binomial: exact, one-sided: more hits than guessing; NaN without answers.
+        method: of p, "exact binomial", or "exact permutation" where participants gave several answers: each one's
+            answers are permuted over the labels, which is the binomial test where each gave one; "normal" for the same
+            in large studies.
+        p_holm: after Holm's correction over the emotions that have answers.
         above_chance: whether `p_holm` is at most alpha.
     """
 
     hits: int
     n: int
+    participants: int
     rate: float
     ci_low: float
     ci_high: float
     chance: float
     p_binomial: float
+    method: str
     p_holm: float
     above_chance: bool
 
 
 @dataclass(frozen=True)
 class Recognition(AgainstChance):
-    """How one video was recognised.
+    """How one emotion was recognized.
 
     Attributes:
         verdict: "absolute majority" (over half of the answers), "relative majority" (more than any other label) or
-            "neither".
-        hu: Wagner's unbiased hit rate, NaN where the label was never given or the video has no answers.
+            "neither". It describes the answers; `p_verdict` tests it.
+        p_verdict: one-sided exact binomial: of an absolute majority against one half, of a relative one against the
+            label that came next; NaN for "neither". Several answers of participants count as their effective number.
+        hu: Wagner's unbiased hit rate, NaN where the label was never given or the emotion has no answers.
+        hu_low, hu_high: its 95 % interval from resampled participants; NaN where they are not known.
+        hu_chance: Wagner's chance level of it: the product of the shares of the label and of the video.
         pi: Rosenthal and Rubin's proportion index.
+        bf10: Bayes factor of unknown shares of the labels, uniform on the simplex, against equal shares.
+        bayes_low, bayes_high: 95 % credible interval of the rate, from the same prior (Dirichlet-multinomial). NaN,
+            like `bf10`, where participants gave several answers.
     """
 
     verdict: str
+    p_verdict: float
     hu: float
+    hu_low: float
+    hu_high: float
+    hu_chance: float
     pi: float
+    bf10: float
+    bayes_low: float
+    bayes_high: float
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """All answers together.
+
+    Attributes:
+        hits: right answers.
+        n: answers.
+        participants: who gave them; None where that is not known.
+        rate: hits / n, NaN without answers.
+        ci_low, ci_high: two-sided 95 % interval of the rate (E. Wilson, 1927) with the effective number of answers, in
+            which participants count as a whole; NaN where participants are not known.
+        chance: the rate that guessing would have.
+    """
+
+    hits: int
+    n: int
+    participants: int | None
+    rate: float
+    ci_low: float
+    ci_high: float
+    chance: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,54 +124,117 @@ class Collapsed:
     """
 
     table: NDArray[np.int64]
-    videos: dict[str, AgainstChance]
+    videos: Mapping[str, AgainstChance]
 
 
-def recognise(counts: NDArray[np.int64], alpha: float = 0.05) -> list[Recognition]:
+def recognize(
+    counts: Counts, alpha: float = 0.05, uses: Uses | None = None, intervals: NDArray[np.float64] | None = None
+) -> list[Recognition]:
     """Return the recognition of each column of `counts` (k, signalled), guessing being 1 / k.
 
     A "none of these" row counts as a label like any other; how often people who guess take it is not known (M. Frank
     and J. Stennett, 2001).
+
+    Args:
+        counts: the confusion matrix.
+        alpha: level of "above chance", after Holm's correction.
+        uses: as above.
+        intervals: (signalled, 2) of the unbiased hit rates.
     """
     k, videos = counts.shape
-    hits, hu = np.diagonal(counts), unbiased_hit_rates(counts)
-    tests = against_chance(hits, counts.sum(axis=0), np.full(videos, 1 / k), alpha)
-    return [
-        Recognition(**vars(test), verdict=verdict(counts[:, j], j), hu=float(hu[j]), pi=proportion_index(test.rate, k))
-        for j, test in enumerate(tests)
-    ]
+    hu, chances = unbiased_hit_rates(counts), unbiased_chance(counts)
+    ends = np.full((videos, 2), np.nan) if intervals is None else intervals
+    tests = against_chance(counts, np.eye(k, videos, dtype=bool), alpha, uses)
+    found = []
+    for j, test in enumerate(tests):
+        column = counts[:, j]
+        word = verdict(column, j)
+        once = test.participants == test.n
+        bayes = betaincinv(1 + test.hits, k - 1 + test.n - test.hits, [0.025, 0.975]) if once else [np.nan, np.nan]
+        found.append(
+            Recognition(
+                **vars(test),
+                verdict=word,
+                p_verdict=_verdict_p(word, column, j, 1.0 if uses is None else _thinned(uses[j], j)),
+                hu=float(hu[j]),
+                hu_low=float(ends[j, 0]),
+                hu_high=float(ends[j, 1]),
+                hu_chance=float(chances[j]),
+                pi=proportion_index(test.rate, k),
+                bf10=uniform_bf10(column) if once else float("nan"),
+                bayes_low=float(bayes[0]),
+                bayes_high=float(bayes[1]),
+            )
+        )
+    return found
+
+
+def accuracy(counts: Counts, hits: NDArray[np.int64] | None = None, n: NDArray[np.int64] | None = None) -> Accuracy:
+    """Return all answers in `counts` (k, signalled) together, and their interval from each participant's hits and n."""
+    right, total, chance = int(np.diagonal(counts).sum()), int(counts.sum()), 1 / len(counts)
+    rate = right / total if total else float("nan")
+    if hits is None or n is None:
+        return Accuracy(right, total, None, rate, float("nan"), float("nan"), chance)
+    worth = effective_n(hits, n)
+    low, high = wilson(rate * worth, worth) if total else (0.0, 1.0)
+    return Accuracy(right, total, int((n > 0).sum()), rate, low, high, chance)
 
 
 def against_chance(
-    hits: NDArray[np.int64], n: NDArray[np.int64], chance: NDArray[np.float64], alpha: float = 0.05
+    counts: Counts, right: NDArray[np.bool_], alpha: float = 0.05, uses: Uses | None = None
 ) -> list[AgainstChance]:
-    """Return the exact binomial test and the interval of each video from its `hits`, answers and chance (videos,)."""
-    rows = [(int(h), int(m), float(c)) for h, m, c in zip(hits, n, chance, strict=True)]
-    p = np.array([binomtest(h, m, c, alternative="greater").pvalue if m else 1.0 for h, m, c in rows])
-    adjusted = holm(p, n > 0)
+    """Return the test and the interval of each column of `counts`, with answers that are `right` (k, signalled)."""
+    tests = [
+        _against_chance(column, there, None if uses is None else uses[j])
+        for j, (column, there) in enumerate(zip(counts.T, right.T, strict=True))
+    ]
+    return corrected(tests, alpha)
+
+
+def corrected(tests: Sequence[_Test], alpha: float = 0.05) -> list[_Test]:
+    """Return tests with Holm's correction over all of them."""
+    adjusted = holm(np.array([test.p_binomial for test in tests], dtype=float))
     return [
-        AgainstChance(
-            h, m, h / m if m else float("nan"), *wilson(h, m), c, float(p[j]), float(adjusted[j]), bool(above)
-        )
-        for j, ((h, m, c), above) in enumerate(zip(rows, (adjusted <= alpha) & (n > 0), strict=True))
+        replace(test, p_holm=float(p), above_chance=bool(p <= alpha)) for test, p in zip(tests, adjusted, strict=True)
     ]
 
 
-def wilson(hits: int, n: int, confidence: float = 0.95) -> tuple[float, float]:
-    """Return Wilson's two-sided interval of hits / n, advised for small n by Brown, Cai and DasGupta (2001)."""
-    if not n:
-        return 0.0, 1.0
-    low, high = proportion_confint(hits, n, alpha=1 - confidence, method="wilson")
-    return float(low), float(high)
+def _against_chance(column: Counts, right: NDArray[np.bool_], uses: NDArray[np.int64] | None) -> AgainstChance:
+    hits, n, chance = int(column[right].sum()), int(column.sum()), float(right.mean())
+    answers = np.ones(n, dtype=np.int64) if uses is None else uses.sum(axis=1)
+    people = int((answers > 0).sum())
+    method, worth = "exact binomial", float(n)
+    if uses is None or people == n:
+        p = binomial_tail(hits, n, chance) if n else float("nan")
+    else:
+        method = "exact permutation" if people <= MOST_CONVOLVED else "normal"
+        worth, p = effective_n(uses[:, right].sum(axis=1), answers), _permuted_p(uses, int(right.sum()), hits)
+    rate = hits / n if n else float("nan")
+    low, high = wilson(hits * worth / n, worth) if n else (0.0, 1.0)
+    return AgainstChance(hits, n, people, rate, low, high, chance, p, method, p, False)
 
 
-def holm(p: NDArray[np.float64], tested: NDArray[np.bool_] | None = None) -> NDArray[np.float64]:
-    """Return p (m,) after Holm's step-down correction (S. Holm, 1979) over those `tested`, all by default."""
-    adjusted = p.copy()
-    chosen = np.ones(len(p), dtype=bool) if tested is None else tested
-    if chosen.any():
-        adjusted[chosen] = multipletests(p[chosen], method="holm")[1]
-    return adjusted
+def _permuted_p(uses: NDArray[np.int64], right: int, hits: int) -> float:
+    """Return the probability of as many hits when each participant's uses (participants, k) are permuted over labels.
+
+    Exact for guessers, whatever their answers to several videos have to do with each other.
+    """
+    alike, often = np.unique(np.sort(uses[uses.any(axis=1)], axis=1), axis=0, return_counts=True)
+    nulls = [_null_hits(tuple(used), right) for used in alike.tolist()]
+    return sum_tail(nulls, often, hits, exact=int(often.sum()) <= MOST_CONVOLVED)
+
+
+@cache
+def _null_hits(used: tuple[int, ...], right: int) -> NDArray[np.float64]:
+    """Return the probabilities of 0, 1, ... hits if any `right` of the labels could be the right ones."""
+    sums = np.array([sum(chosen) for chosen in combinations(used, right)])
+    return np.bincount(sums, minlength=sum(used) + 1) / len(sums)
+
+
+def _thinned(uses: NDArray[np.int64], right: int) -> float:
+    """Return by how much answers of participants who gave several are worth less than independent ones."""
+    n = uses.sum(axis=1)
+    return effective_n(uses[:, right], n) / int(n.sum()) if n.any() else 1.0
 
 
 def verdict(column: NDArray[np.int64], right: int) -> str:
@@ -134,50 +244,34 @@ def verdict(column: NDArray[np.int64], right: int) -> str:
     return "relative majority" if (column[right] > np.delete(column, right)).all() else "neither"
 
 
+def _verdict_p(word: str, column: NDArray[np.int64], right: int, worth: float) -> float:
+    if word == "neither":
+        return float("nan")
+    hits, others = int(column[right]), np.delete(column, right)
+    against = int(column.sum()) if word == "absolute majority" else hits + int(others.max())
+    return binomial_tail(hits * worth, against * worth, 0.5)
+
+
 def unbiased_hit_rates(counts: NDArray[np.int64] | NDArray[np.float64]) -> NDArray[np.float64]:
     """Return hits^2 / (row total * column total) of each column of `counts` (k, signalled), NaN where that is 0 / 0.
 
     It discounts a label given to everything: H. Wagner, "On measuring performance in category judgment studies of
-    nonverbal behavior", J. Nonverbal Behavior 17, 1993.
+    nonverbal behavior", J. Nonverbal Behavior 17, 1993. Matrices may be stacked (..., k, signalled).
     """
-    videos = counts.shape[1]
-    margins = counts.sum(axis=1)[:videos] * counts.sum(axis=0)
-    return np.divide(np.diagonal(counts) ** 2.0, margins, out=np.full(videos, np.nan), where=margins > 0)
+    videos = counts.shape[-1]
+    margins = counts.sum(axis=-1)[..., :videos] * counts.sum(axis=-2)
+    hits = np.diagonal(counts, axis1=-2, axis2=-1) ** 2.0
+    return np.divide(hits, margins, out=np.full(hits.shape, np.nan), where=margins > 0)
 
 
-def unbiased_hit_intervals(choices: NDArray[np.int64], k: int, seed: int = 0) -> NDArray[np.float64]:
-    """Return 95 % percentile intervals (signalled, 2) of Wagner's rate, from resampled participants.
+def unbiased_chance(counts: Counts) -> NDArray[np.float64]:
+    """Return Wagner's chance level of the unbiased hit rate of each column: share of the label times that of the video.
 
-    Participants are resampled as a whole, so their answers may depend on each other. NaN where the rate is; resamples
-    in which it is undefined are left out. A rate of 0 or 1 has an interval without width: the bootstrap cannot see
-    what no participant did.
-
-    Args:
-        choices: (participants, signalled) places in the k labels, -1 where missing (`Responses.choices`).
-        k: labels.
-        seed: of the resampling.
+    1 / k^2 where labels and videos are used alike; NaN without answers.
     """
-    people, videos = choices.shape
-    rates = unbiased_hit_rates(_counted(choices, k).sum(axis=0))
-    if not people:
-        return np.full((videos, 2), np.nan)
-    alike, often = np.unique(choices, axis=0, return_counts=True)
-    rng, cells = np.random.default_rng(seed), _counted(alike, k).reshape(len(alike), -1).astype(np.float64)
-    draws, shares = min(_BOOTSTRAPS, max(200, _BOOTSTRAP_CELLS // len(alike))), often / people
-    samples = np.array(
-        [unbiased_hit_rates((rng.multinomial(people, shares) @ cells).reshape(k, videos)) for _ in range(draws)]
-    )
-    return np.array(
-        [
-            np.nanpercentile(sample, [2.5, 97.5]) if np.isfinite(rate) else (np.nan, np.nan)
-            for rate, sample in zip(rates, samples.T, strict=True)
-        ]
-    )
-
-
-def _counted(choices: NDArray[np.int64], k: int) -> NDArray[np.int64]:
-    """Return each participant's own confusion matrix (participants, k, signalled) of zeros and ones."""
-    return (choices[:, None, :] == np.arange(k)[:, None]).astype(np.int64)
+    total = counts.sum()
+    margins = counts.sum(axis=1)[: counts.shape[1]] * counts.sum(axis=0) / max(int(total), 1) ** 2
+    return np.asarray(margins) if total else np.full(counts.shape[1], np.nan)
 
 
 def proportion_index(rate: float, k: int) -> float:
@@ -190,7 +284,11 @@ def proportion_index(rate: float, k: int) -> float:
 
 
 def collapse(
-    counts: NDArray[np.int64], labels: Sequence[str], poles: Mapping[str, bool], alpha: float = 0.05
+    counts: Counts,
+    labels: Sequence[str],
+    poles: Mapping[str, bool],
+    alpha: float = 0.05,
+    uses: Uses | None = None,
 ) -> Collapsed:
     """Return the recognition of `poles` (`VALENCE` or `AROUSAL`) from `counts` (labels, signalled).
 
@@ -200,9 +298,7 @@ def collapse(
     pole = np.array([poles.get(label, -1) for label in labels], dtype=np.int64)
     same = (pole[:, None] == pole[None, : counts.shape[1]]) & (pole[:, None] >= 0)
     known = [j for j in range(counts.shape[1]) if pole[j] >= 0]
-    tests = against_chance(
-        (counts * same).sum(axis=0)[known], counts.sum(axis=0)[known], same.mean(axis=0)[known], alpha
-    )
+    tests = against_chance(counts[:, known], same[:, known], alpha, None if uses is None else [uses[j] for j in known])
     sides = pole[None, :] == np.array([[True], [False]])
     return Collapsed(
         table=sides @ counts @ sides[:, : counts.shape[1]].T,
