@@ -1,30 +1,44 @@
-"""`emovid study analyze`, `columns` and `compare`: from a survey's exports to tables, tests, figures and a report."""
+"""`emovid study analyze`, `columns` and `compare`: from survey exports to tables, tests, figures and a report."""
 
 import json
-from collections.abc import Mapping
 from functools import partial
+from math import isnan
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
+from rich import box
+from rich.table import Table
 
 from emovid.cli.options import Json, Quiet, RandomSeed, refuse_beside
+from emovid.cli.terminal import show_table
 from emovid.errors import InputError
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from emovid.responses.responses import Responses
+from emovid.report import apa
+from emovid.report.results_json import as_json
+from emovid.responses.describe_columns import describe_columns
+from emovid.responses.responses import Responses
+from emovid.statistics.compare import VideoCompared
+from emovid.statistics.goodness import Goodness
+from emovid.statistics.recognition import Recognition
+from emovid.workflows.analysis import Analysis, analyze_exports, analyze_matrix, compare_studies, write_analysis
 
 _SHOWN = 200  # rejected rows on the terminal; rejected.csv has all
 
 Key = Annotated[
     Path | None, typer.Option("--key", help="CSV with video_code,true_emotion, for blinded codes.", show_default=False)
 ]
-Map = Annotated[Path | None, typer.Option("--map", help="YAML that says what cannot be detected.", show_default=False)]
+Map = Annotated[
+    Path | None, typer.Option("--map", help="map.yaml, which declares what is not detected.", show_default=False)
+]
 Labels = Annotated[
     str | None,
-    typer.Option("--labels", help="The answers, with commas between; default: the six emotions.", show_default=False),
+    typer.Option("--labels", help="The answers, separated by commas; default: the six emotions.", show_default=False),
+]
+Margin = Annotated[
+    float | None,
+    typer.Option(
+        min=0, max=100, help="Margin of equivalence in percentage points, set before the study.", show_default=False
+    ),
 ]
 
 
@@ -37,7 +51,11 @@ def analyze(
     mapping: Map = None,
     by: Annotated[
         list[str] | None,
-        typer.Option("--by", help="A group to analyse by; default: all of at most 12 levels.", show_default=False),
+        typer.Option(
+            "--by",
+            help="A group to compare, named beforehand; default: all groups of at most 12 levels, as exploratory.",
+            show_default=False,
+        ),
     ] = None,
     labels: Labels = None,
     counts: Annotated[
@@ -47,6 +65,7 @@ def analyze(
     output: Annotated[Path, typer.Option("--output", "-o", help="The folder for results, made if missing.")] = Path(
         "results"
     ),
+    margin: Margin = None,
     seed: RandomSeed = 0,
     quiet: Quiet = False,
     as_json: Json = False,
@@ -55,135 +74,88 @@ def analyze(
 
     Examples: emovid study analyze responses.csv · emovid study analyze exports/ --key key.csv --by gender -o results/
     """
-    from emovid.atomic_io import make_folder, writing
-    from emovid.figures.study import study_figures
-    from emovid.figures.style import encoded
-    from emovid.report.outputs import result_files
-    from emovid.report.report import report_html
-
     if bool(sources) == bool(counts):
-        raise InputError("expected exports to analyse, or --counts and a confusion matrix")
-    if counts:
-        refuse_beside("--counts", {"--key": key, "--map": mapping, "--by": by, "--labels": labels})
+        raise InputError("expected exports to analyze, or --counts and a confusion matrix")
     if output.exists() and not output.is_dir():
         raise InputError(f"-o {output}: is a file; expected a folder")
     if counts:
-        results, responses = _of_counts(counts, seed), None
+        refuse_beside("--counts", {"--key": key, "--map": mapping, "--by": by, "--labels": labels, "--margin": margin})
+        analysis = analyze_matrix(counts, seed)
     else:
-        results, responses = _of_exports(sources or [], key, mapping, by or [], labels, seed)
-    figures = study_figures(results)
-    pictures = {caption: ("svg+xml", encoded(figure, "svg")) for caption, figure in figures.values()}
-    files = result_files(results, responses) | {"report.html": report_html(results, responses, pictures)}
-    make_folder(output)
-    for name, text in files.items():
-        with writing(output / name) as file:
-            file.write(text.encode())
-    _save_figures(figures, output)
+        analysis = analyze_exports(sources or [], key, mapping, _labels(labels), by or [], seed, _share(margin))
+    text = write_analysis(analysis, output)
     if as_json:
-        typer.echo(files["results.json"], nl=False)
+        typer.echo(text, nl=False)
     elif not quiet:
-        _show(results, responses, output)
-
-
-def _of_counts(counts: Path, seed: int) -> dict[str, Any]:
-    from emovid.atomic_io import file_digest
-    from emovid.responses.results_files import read_matrix
-    from emovid.statistics.analyze import analyze_counts
-
-    matrix, labels, signalled = read_matrix(counts)
-    inputs = [{"file": str(counts), "dialect": "confusion matrix", "sha256": file_digest(counts)}]
-    return analyze_counts(matrix, labels, signalled, seed) | {"provenance": _provenance(inputs, None, seed)}
-
-
-def _of_exports(
-    sources: list[Path], key: Path | None, mapping: Path | None, by: list[str], labels: str | None, seed: int
-) -> "tuple[dict[str, Any], Responses]":
-    from dataclasses import asdict
-
-    from emovid.responses.read import read_responses
-    from emovid.statistics.analyze import analyze as run
-
-    responses = read_responses(sources, key=key, mapping=mapping, labels=_labels(labels), groups=by)
-    inputs = [asdict(source) for source in responses.sources]
-    return run(responses, by, seed) | {"provenance": _provenance(inputs, key, seed)}, responses
+        _show(analysis, output)
 
 
 def _labels(said: str | None) -> list[str] | None:
     return None if said is None else [label.strip() for label in said.split(",")]
 
 
-def _provenance(inputs: list[dict[str, Any]], key: Path | None, seed: int) -> dict[str, Any]:
-    from importlib.metadata import version
-
-    from emovid.atomic_io import file_digest
-
-    key_sha256 = file_digest(key) if key else None
-    return {"inputs": inputs, "key_sha256": key_sha256, "version": version("emovid"), "seed": seed}
+def _share(points: float | None) -> float | None:
+    return None if points is None else points / 100
 
 
-def _save_figures(figures: "Mapping[str, tuple[str, Figure]]", output: Path) -> None:
-    from emovid.figures.style import save
-
-    for name, (_, figure) in figures.items():
-        for suffix in ("pdf", "png"):
-            save(figure, output / f"{name}.{suffix}")
-
-
-def _show(results: Mapping[str, Any], responses: "Responses | None", output: Path) -> None:
+def _show(analysis: Analysis, output: Path) -> None:
     """Print what was read, the matrix, the tests and the warnings."""
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
-    from emovid.cli.terminal import show_table
-
-    console = Console(highlight=False, markup=False)
-    say = partial(console.print, soft_wrap=True)  # a line stays one line, however long its path
-    if responses is not None:
-        for source in responses.sources:
-            say(f"{source.file}: {source.dialect}, {source.participants} participants")
-        for note in responses.notes():
-            say(note)
-        for item in responses.rejected[:_SHOWN]:
-            where = f"{item.file}:{item.row}" if item.row else item.file
-            value = repr(item.value) if item.value else ""
-            say(": ".join(part for part in (where, item.cell, value, item.reason) if part))
-        if len(responses.rejected) > _SHOWN:
-            say(f"... and {len(responses.rejected) - _SHOWN} more in rejected.csv")
-    matrix = Table("response (%)", *results["emotions"], box=box.SIMPLE, title="signaled emotion")
-    for label, row in zip(results["labels"], results["percent"], strict=True):
-        matrix.add_row(label, *("" if share is None else f"{share:.2f}" for share in row))
+    results = analysis.results
+    if analysis.responses is not None:
+        _show_reading(analysis.responses)
+    matrix = Table("response (%)", *results.emotions, box=box.SIMPLE, title="signaled emotion")
+    for label, row in zip(results.labels, results.percent, strict=True):
+        matrix.add_row(label, *("" if isnan(share) else f"{share:.2f}" for share in row))
     tests = Table(
         "emotion", "n", "chi2", "p", "exact p", "w", "hits", "CI %", "Holm p", "majority", box=box.SIMPLE, padding=0
     )
-    for name, fit in results["goodness_of_fit"].items():
-        tests.add_row(name, *_test_cells(fit, results["recognition"][name]))
+    for name, fit in results.goodness_of_fit.items():
+        tests.add_row(name, *_test_cells(fit, results.recognition[name]))
     show_table(matrix)
     show_table(tests)
-    if results["warnings"]:
-        warnings = Table("warnings", box=box.SIMPLE)
-        for warning in results["warnings"]:
-            warnings.add_row(warning)
-        show_table(warnings)
-    say(f"results in {output}: report.html, results.json, tables and figures")
+    for title, lines in (("warnings", results.warnings), ("notes", results.notes)):
+        if lines:
+            table = Table(title, box=box.SIMPLE)
+            for line in lines:
+                table.add_row(line)
+            show_table(table)
+    typer.echo(f"results in {output}: report.html, results.json, tables and figures")
 
 
-def _test_cells(fit: Mapping[str, Any], found: Mapping[str, Any]) -> list[str]:
-    """Return the numbers of one video's tests, as short as a terminal is wide."""
+def _show_reading(responses: Responses) -> None:
+    say = partial(typer.echo, err=False)
+    for source in responses.sources:
+        say(f"{source.file}: {source.dialect}, {source.participants} participants")
+    for note in responses.notes():
+        say(note)
+    for reason, number in responses.left_out.items():
+        say(f"left out: {number} rows, {reason}")
+    for synonym in responses.synonyms:
+        say(f"{synonym.text!r} counts as {synonym.label}: {synonym.count} answers")
+    for item in responses.rejected[:_SHOWN]:
+        where = f"{item.file}:{item.row}" if item.row else item.file
+        value = repr(item.value) if item.value else ""
+        say(": ".join(part for part in (where, item.cell, value, item.reason) if part))
+    if len(responses.rejected) > _SHOWN:
+        say(f"... and {len(responses.rejected) - _SHOWN} more in rejected.csv")
+
+
+def _test_cells(fit: Goodness, found: Recognition) -> list[str]:
+    """Return the numbers of one emotion's tests, as short as a terminal is wide."""
 
     def p(value: float) -> str:
-        return "<.001" if value < 0.001 else f"{value:.3f}".removeprefix("0")
+        return "" if isnan(value) else "<.001" if value < 0.001 else f"{value:.3f}".removeprefix("0")
 
     return [
-        str(fit["n"]),
-        f"{fit['statistic']:.2f}",
-        p(fit["p"]),
-        p(fit["p_exact"]),
-        "" if fit["cohens_w"] is None else f"{fit['cohens_w']:.2f}",
-        str(found["hits"]),
-        f"{100 * found['ci_low']:.0f}-{100 * found['ci_high']:.0f}",
-        p(found["p_holm"]),
-        found["verdict"].removesuffix(" majority"),
+        str(fit.n),
+        "" if isnan(fit.statistic) else f"{fit.statistic:.2f}",
+        p(fit.p),
+        p(fit.p_exact),
+        "" if isnan(fit.cohens_w) else f"{fit.cohens_w:.2f}",
+        str(found.hits),
+        f"{100 * found.ci_low:.0f}-{100 * found.ci_high:.0f}",
+        p(found.p_holm),
+        found.verdict.removesuffix(" majority"),
     ]
 
 
@@ -199,8 +171,6 @@ def columns(
 
     Example: emovid study columns export.csv > map.yaml
     """
-    from emovid.responses.describe_columns import describe_columns
-
     found = describe_columns(source, key, mapping, _labels(labels))
     said = "; ".join(part for part in (found.dialect, found.problem) if part)
     typer.echo(f"# {found.file}: {said}")
@@ -212,42 +182,41 @@ def columns(
 
 def compare(
     original: Annotated[Path, typer.Argument(help="The results of an analysis, or a confusion matrix as CSV.")],
-    replication: Annotated[Path, typer.Argument(help="Others, with the same labels.")],
+    replication: Annotated[Path, typer.Argument(help="The results of another, with the same labels.")],
+    margin: Margin = None,
     seed: RandomSeed = 0,
-    as_json: Json = False,
+    print_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
 ) -> None:
     """Compare a replication with the original study.
 
-    Prints differences with confidence intervals, and a test of the whole matrix.
+    Prints the difference of each recognition rate with its confidence interval and test, and a test of the whole
+    matrix.
 
-    Example: emovid study compare original/results.json results/results.json
+    Examples: emovid study compare original/results.json results/results.json · emovid study compare a/ b/ --margin 15
     """
-    from emovid.report import apa
-    from emovid.responses.results_files import read_results
-    from emovid.statistics.analyze import in_json
-    from emovid.statistics.compare import aligned
-    from emovid.statistics.compare import compare as run
-
-    studies = read_results(original), read_results(replication)
-    try:
-        first, second, signalled = aligned(*studies)
-    except ValueError:
-        labels = ", ".join(studies[0][1])
-        raise InputError(f"{replication}: other labels than {original}: expected {labels}") from None
-    found = run(first, second, seed)
-    if as_json:
-        from dataclasses import asdict
-
-        named = dict(zip(signalled, map(asdict, found.videos), strict=True))
-        said = in_json(asdict(found) | {"videos": named, "apa": apa.compared(found)})
-        typer.echo(json.dumps(said, indent=2, allow_nan=False))
+    signalled, found = compare_studies(original, replication, seed, _share(margin))
+    videos = dict(zip(signalled, found.videos, strict=True))
+    if print_json:
+        typer.echo(json.dumps({**as_json(found), "videos": as_json(videos)}, indent=2, allow_nan=False))
         return
-    for name, video in zip(signalled, found.videos, strict=True):
-        rates = f"{video.hits[0]}/{video.n[0]} and {video.hits[1]}/{video.n[1]}"
-        if not all(video.n):
-            typer.echo(f"{name:<11}{rates:<19}no answers to compare")
-            continue
-        low, high, points = (100 * value for value in (video.ci_low, video.ci_high, video.difference))
-        holm = apa.p_value(video.p_holm, "Holm p")
-        typer.echo(f"{name:<11}{rates:<19}{points:+6.1f} points [{low:+.1f}, {high:+.1f}], {holm}")
-    typer.echo(f"whole matrix: {apa.compared(found)}")
+    for name, video in videos.items():
+        typer.echo(
+            f"{name:<11}{video.hits[0]}/{video.n[0]} and {video.hits[1]}/{video.n[1]}".ljust(30) + _compared(video)
+        )
+    typer.echo(f"whole matrix: {apa.compared(found)}, if answers are independent of each other")
+
+
+def _compared(video: VideoCompared) -> str:
+    """Return what is said of one emotion in two studies."""
+    if not all(video.n):
+        return "no answers to compare"
+    pair = video.rates
+    low, high, points = (100 * value for value in (pair.ci_low, pair.ci_high, pair.difference))
+    parts = [
+        f"{points:+6.1f} points [{low:+.1f}, {high:+.1f}]",
+        apa.p_value(video.p_holm, "Holm p"),
+        apa.equivalence(pair),
+        apa.bayes_factor(video.replication_bf, "replication BF"),
+        f"pooled {100 * video.pooled:.1f}% [{100 * video.pooled_low:.1f}, {100 * video.pooled_high:.1f}]",
+    ]
+    return ", ".join(parts)

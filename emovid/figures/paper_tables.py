@@ -9,14 +9,12 @@ from html import escape
 from typing import NamedTuple
 
 from emovid.figures.style import heading
+from emovid.latex import latex_text
 from emovid.scene.emotions import EMOTIONS
 
 PAPER = "Santos2021"
 _MARKS = ("†", "‡", "§")
 _LATEX_MARKS = (r"\textsuperscript{\dag}", r"\textsuperscript{\ddag}", r"\textsuperscript{\S}")
-_LATEX_ESCAPES = str.maketrans(
-    {c: f"\\{c}" for c in "&%$#_{}"} | {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}"}
-)
 
 
 class Source(NamedTuple):
@@ -176,17 +174,17 @@ def table_latex(table: Table) -> str:
     lines = [
         rf"\begin{{tabular}}{{{'l' * columns}}}",
         r"  \toprule",
-        "  " + " & ".join(map(_escaped, table.columns)) + r" \\",
+        "  " + " & ".join(map(latex_text, table.columns)) + r" \\",
     ]
     for title, rows in table.groups:
         lines.append(r"  \midrule")
         if title:
-            lines.append(rf"  \multicolumn{{{columns}}}{{l}}{{\emph{{{_escaped(title)}}}}} \\")
+            lines.append(rf"  \multicolumn{{{columns}}}{{l}}{{\emph{{{latex_text(title)}}}}} \\")
         for name, cells in rows:
-            lines.append("  " + " & ".join([_escaped(heading(name)), *map(_latex_cell, cells)]).rstrip() + r" \\")
+            lines.append("  " + " & ".join([latex_text(heading(name)), *map(_latex_cell, cells)]).rstrip() + r" \\")
     lines.append(r"  \bottomrule")
     for mark, note in zip(_LATEX_MARKS, table.notes, strict=False):
-        lines.append(rf"  \multicolumn{{{columns}}}{{l}}{{{mark} {_escaped(note)}}} \\")
+        lines.append(rf"  \multicolumn{{{columns}}}{{l}}{{{mark} {latex_text(note)}}} \\")
     lines.append(r"\end{tabular}")
     lines += [f"% {key}: {source.full}" for key, source in cited(table).items()]
     return "\n".join(lines) + "\n"
@@ -226,17 +224,13 @@ def _marked(cell: Cell, marks: Sequence[str]) -> str:
 def _latex_cell(cell: Cell) -> str:
     if not cell.text:
         return ""
-    text = _escaped(cell.text) + (_LATEX_MARKS[cell.note - 1] if cell.note else "")
-    place = f"[{_escaped(cell.place)}]" if cell.place else ""
+    text = latex_text(cell.text) + (_LATEX_MARKS[cell.note - 1] if cell.note else "")
+    place = f"[{latex_text(cell.place)}]" if cell.place else ""
     return rf"{text} \cite{place}{{{','.join(cell.sources)}}}"
 
 
 def _markdown_cell(cell: Cell) -> str:
     return f"{_marked(cell, _MARKS)} ({named(cell)})" if cell.text else ""
-
-
-def _escaped(text: str) -> str:
-    return text.translate(_LATEX_ESCAPES)
 
 
 def _html_row(cells: Iterable[str]) -> str:

@@ -71,8 +71,8 @@ def study_figures(data: FigureData) -> dict[str, tuple[str, Figure]]:
     made = {"confusion-matrix": (_caption(data), confusion_figure(*answers))}
     if set(data.emotions) <= set(POSITIONS):
         caption = (
-            "Answers on the circumplex of valence and arousal: at each signaled emotion (cross), a bubble for each label "
-            "that was given; its diameter is proportional to the number in it."
+            "Answers on the circumplex of valence and arousal: at each signaled emotion (cross), a bubble for each "
+            "label that was given; its diameter is proportional to the number in it."
         )
         made["circumplex"] = (caption, circumplex_figure(*answers))
     for column, levels in data.groups.items():

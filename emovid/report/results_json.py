@@ -66,18 +66,21 @@ def _schema(kind: Any, definitions: dict[str, Any]) -> dict[str, Any]:
         return {"$ref": f"#/$defs/{kind.__name__}"}
     if origin in (Union, UnionType):
         return {"anyOf": [_schema(option, definitions) for option in arguments]}
-    if origin is np.ndarray:
-        number = "integer" if "int" in str(arguments) else "number"
-        cell = {"type": [number, "null"]} if number == "number" else {"type": number}
-        return {"type": "array", "items": {"anyOf": [cell, {"type": "array", "items": cell}]}}
-    if origin is tuple:
-        if len(arguments) == 2 and arguments[1] is Ellipsis:
-            return {"type": "array", "items": _schema(arguments[0], definitions)}
-        items = [_schema(item, definitions) for item in arguments]
-        return {"type": "array", "prefixItems": items, "minItems": len(items), "maxItems": len(items)}
+    if origin in (np.ndarray, tuple):
+        return _array_schema(origin, arguments, definitions)
     if isinstance(origin, type) and issubclass(origin, Mapping):
         return {"type": "object", "additionalProperties": _schema(arguments[1], definitions)}
     return {"type": _TYPES[kind]}
+
+
+def _array_schema(origin: Any, arguments: tuple[Any, ...], definitions: dict[str, Any]) -> dict[str, Any]:
+    if origin is np.ndarray:  # of one or two dimensions
+        cell = {"type": "integer" if "int" in str(arguments) else ["number", "null"]}
+        return {"type": "array", "items": {"anyOf": [cell, {"type": "array", "items": cell}]}}
+    if arguments[-1] is Ellipsis:
+        return {"type": "array", "items": _schema(arguments[0], definitions)}
+    items = [_schema(item, definitions) for item in arguments]
+    return {"type": "array", "prefixItems": items, "minItems": len(items), "maxItems": len(items)}
 
 
 _TYPES: dict[type, str | list[str]] = {
@@ -107,4 +110,4 @@ def _object_schema(kind: type, definitions: dict[str, Any]) -> dict[str, Any]:
 @cache
 def _hints(kind: type) -> dict[str, Any]:
     hints = get_type_hints(kind)
-    return {field.name: hints[field.name] for field in fields(kind)}  # type: ignore[arg-type]
+    return {field.name: hints[field.name] for field in fields(kind)}

@@ -12,8 +12,8 @@ import numpy as np
 from emovid.csv_writer import csv_text
 from emovid.latex import latex_text
 from emovid.report.results_json import results_json
-from emovid.responses.results_files import CORNER, PERCENT
 from emovid.responses.responses import Responses
+from emovid.responses.results_files import CORNER, PERCENT
 from emovid.statistics.confusions import Counts, percent
 from emovid.statistics.results import AnswerResults, StudyResults
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from emovid.responses.dialects.people import MOST_LEVELS
 from emovid.responses.labels import NONE
+from emovid.responses.participants import MOST_LEVELS
 from emovid.responses.responses import Responses
 from emovid.statistics.circumplex import ANGLES, AROUSAL, VALENCE
 from emovid.statistics.confusions import near_neighbors, percent, quasi_independence
@@ -17,7 +17,7 @@ from emovid.statistics.participants import agreement, label_use, order_effect, t
 from emovid.statistics.proportions import holm
 from emovid.statistics.recognition import Uses, accuracy, against_chance, collapse, corrected, recognize
 from emovid.statistics.resampling import information, resampled_counts, unbiased_hit_intervals
-from emovid.statistics.results import AnswerResults, Dependence, GroupDifferences, StudyResults, VideoResults
+from emovid.statistics.results import AnswerResults, Dependence, Flow, GroupDifferences, StudyResults, VideoResults
 from emovid.statistics.showings import Showings, showings_of
 
 Counts = NDArray[np.int64]
@@ -64,6 +64,7 @@ def analyze(responses: Responses, by: Sequence[str] = (), seed: int = 0, margin:
         else {},
         accuracy=accuracy(results.counts, hits, n),
         information=information(results.counts, samples, seed),
+        flow=_flow(responses),
         dependence=_dependence(showings, responses.labels, seed),
         groups=_corrected_groups({column: _groups(responses, showings, column, seed) for column in columns}),
         group_differences=_corrected_differences(
@@ -86,7 +87,7 @@ def analyze(responses: Responses, by: Sequence[str] = (), seed: int = 0, margin:
     too_many = [name for name in responses.participants.columns if not by and name not in columns]
     return replace(
         results,
-        warnings=(*_warnings(results), *_reading_warnings(responses, showings)),
+        warnings=(*responses.warnings, *_reading_warnings(responses, showings), *_warnings(results)),
         notes=(
             *_notes(results, several),
             *responses.notes(),
@@ -103,6 +104,22 @@ def analyze_counts(counts: Counts, labels: Sequence[str], signalled: Sequence[st
     results = _of_matrix(counts, labels, signalled, seed)
     note = "participants are not known: answers count as independent, and nothing is tested within participants"
     return replace(results, warnings=tuple(_warnings(results)), notes=(note,))
+
+
+def _flow(responses: Responses) -> Flow:
+    """Return the numbers of participants and rows from the exports to the analysis."""
+    analyzed = len(responses.participants)
+    reconstructed = all(str(name).startswith("reconstructed") for name in responses.participants.index)
+    return Flow(
+        origin="simulated" if responses.simulated else "reconstructed" if reconstructed else "participants",
+        enrolled=analyzed + sum(responses.dropped.values()),
+        excluded=dict(responses.dropped),
+        analyzed=analyzed,
+        left_out=dict(responses.left_out),
+        rejected=len(responses.rejected),
+        synonyms=responses.synonyms,
+        repeats=responses.repeats,
+    )
 
 
 def _several(showings: Showings) -> bool:
@@ -136,6 +153,7 @@ def _of_matrix(
         dependence=None,
         groups={},
         group_differences={},
+        flow=None,
         warnings=(),
         notes=(),
     )

@@ -80,8 +80,8 @@ def quasi_independence(counts: Counts) -> Errors:
 
 def _errors(counts: Counts) -> tuple[Counts, NDArray[np.bool_]]:
     """Return the wrong answers (labels, signalled) and where wrong answers can be."""
-    free = ~np.eye(*counts.shape, dtype=bool)
-    return np.where(free, counts, 0), free
+    free = np.eye(*counts.shape) == 0
+    return counts * free, free
 
 
 def _fitted(errors: Counts, free: NDArray[np.bool_]) -> tuple[Table, NDArray[np.float64]]:

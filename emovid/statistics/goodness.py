@@ -116,7 +116,7 @@ def exact_p(counts: NDArray[np.int64]) -> float:
     There the statistic is k / n times the sum of squared counts, less n: outcomes are ordered by that sum, an integer,
     so that ties are exact.
     """
-    sums, tail = _tail(int(counts.sum()), len(counts))
+    sums, tail = tail_of_squares(int(counts.sum()), len(counts))
     return float(tail[np.searchsorted(sums, (counts**2).sum())])
 
 
@@ -139,7 +139,7 @@ def partitions(n: int, k: int) -> int:
 
 
 @cache
-def _tail(n: int, k: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def tail_of_squares(n: int, k: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Return the sums of squares that k counts of n answers can have, ascending, and P(at least as large).
 
     Equal shares make all orders of the counts equally likely, so only partitions of n into at most k parts are listed,

@@ -234,7 +234,7 @@ def label_use(showings: Showings, offered: NDArray[np.bool_] | None = None) -> L
         totals=used.sum(axis=0),
         never=(used == 0).sum(axis=0) / people,
         repeated=(used > 1).sum(axis=0) / people,
-        errors=np.where(np.eye(*counts.shape, dtype=bool), 0, counts).sum(axis=1),
+        errors=(counts * (np.eye(*counts.shape) == 0)).sum(axis=1),
         bias=bias,
         statistic=statistic,
         dof=dof,

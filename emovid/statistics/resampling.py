@@ -38,6 +38,8 @@ class Information:
 def resampled_counts(showings: Showings, seed: int = 0) -> NDArray[np.float64]:
     """Return confusion matrices (draws, labels, signalled) of participants drawn with replacement."""
     people = len(showings.choices)
+    if not people:
+        return np.zeros((1, showings.k, showings.emotions))
     alike, often = np.unique(showings.choices, axis=0, return_counts=True)
     same = Showings(alike, alike, showings.right, showings.videos, showings.k, showings.emotions)
     cells = np.stack(same.by_emotion(), axis=2).reshape(len(alike), -1).astype(np.float64)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from emovid.responses.responses import Source
+from emovid.responses.responses import Source, Synonym
 from emovid.statistics.confusions import NearNeighbors
 from emovid.statistics.goodness import Goodness
 from emovid.statistics.groups import RatesDiffer, ScoresDiffer
@@ -96,6 +96,31 @@ class Provenance:
     seed: int
 
 
+@dataclass(frozen=True)
+class Flow:
+    """Participants and rows from the exports to the analysis.
+
+    Attributes:
+        origin: of the answers: "participants", "simulated" (model participants) or "reconstructed" (from totals).
+        enrolled: participants in the exports.
+        excluded: participants left out, by reason.
+        analyzed: participants with at least one answer.
+        left_out: rows left out of the answers of participants who stay, by reason.
+        rejected: rows and cells that could not be used.
+        synonyms: texts that count as a label that they do not spell.
+        repeats: which of several answers of a participant to one video count; None where nothing says it.
+    """
+
+    origin: str
+    enrolled: int
+    excluded: Mapping[str, int]
+    analyzed: int
+    left_out: Mapping[str, int]
+    rejected: int
+    synonyms: tuple[Synonym, ...]
+    repeats: str | None
+
+
 @dataclass(frozen=True, eq=False)
 class StudyResults(AnswerResults):
     """The results of a study.
@@ -114,6 +139,7 @@ class StudyResults(AnswerResults):
         dependence: None where participants are not known.
         groups: results of each level of each group.
         group_differences: of each group.
+        flow: of participants; None where they are not known.
         warnings: what limits the results, the most important first.
         notes: what a reader of the results should know besides.
         provenance: None until the files are known.
@@ -132,6 +158,7 @@ class StudyResults(AnswerResults):
     dependence: Dependence | None
     groups: Mapping[str, Mapping[str, AnswerResults]]
     group_differences: Mapping[str, GroupDifferences]
+    flow: Flow | None
     warnings: tuple[str, ...]
     notes: tuple[str, ...]
     provenance: Provenance | None = None

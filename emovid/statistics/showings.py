@@ -67,16 +67,12 @@ def showings_of(responses: Responses) -> Showings:
     video, names = pd.factorize(answers["video"], sort=True)
     showings, column = np.unique(np.column_stack([emotion, video, again]), axis=0, return_inverse=True)
     rows = responses.participants.index.get_indexer(answers["participant"])
-    tables = []
-    for values in (
-        pd.Index(responses.labels).get_indexer(answers["perceived"]),
-        answers["position"].fillna(-1).to_numpy(dtype=np.int64),
-    ):
-        table = np.full((len(responses.participants), len(showings)), -1, dtype=np.int64)
-        table[rows, column.reshape(-1)] = values
-        tables.append(table)
+    choices, positions = (np.full((len(responses.participants), len(showings)), -1, dtype=np.int64) for _ in range(2))
+    choices[rows, column.reshape(-1)] = pd.Index(responses.labels).get_indexer(answers["perceived"])
+    positions[rows, column.reshape(-1)] = answers["position"].fillna(-1).to_numpy(dtype=np.int64)
     return Showings(
-        *tables,
+        choices,
+        positions,
         right=showings[:, 0],
         videos=tuple(str(names[code]) for code in showings[:, 1]),
         k=len(responses.labels),

@@ -1,4 +1,4 @@
-"""Model responders: the answers of people who do not exist, to rehearse a study before anyone watches."""
+"""Simulated participants: answers to rehearse a study with before anyone takes part."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from emovid.atomic_io import make_folder, writing
 from emovid.errors import EmovidError, InputError, nearest
 from emovid.figures.catalogue import CATALOGUE, MEASURES, STUDY, TEXTS, WIDTHS, Entry
 from emovid.figures.run_cache import Material
-from emovid.figures.study import recognition_of
+from emovid.figures.study import FigureData, LevelAccuracy, figure_data
 from emovid.figures.style import FORMATS
 from emovid.measure.describe import describe
 from emovid.responses.read import read_responses
@@ -120,23 +122,33 @@ def make_figures(plan: FigurePlan, done: Callable[[str], None]) -> None:
         _write(plan.output / f"{GALLERY}.html", page)
 
 
-def study_results(source: Path | None) -> Any:
-    """Return the results of a study: those in a file or folder, or an analysis of the reference study."""
+def study_results(source: Path | None) -> FigureData:
+    """Return what figures show of a study: of results in a file or folder, or of the reference study.
+
+    Raises:
+        InputError: if the file holds no results.
+    """
     if source is None:
         reference = STUDIES / "santos-egerstedt" / "responses.csv"
-        return analyze(read_responses([reference]), ["gender", "robotics_background"])
+        return figure_data(analyze(read_responses([reference]), ["gender", "robotics_background"]))
     counts, labels, signalled = read_results(source)  # raises an error for a file that has none
     file = source / "results.json" if source.is_dir() else source
     if file.suffix.lower() != ".json":
-        return analyze_counts(counts, labels, signalled)
+        return figure_data(analyze_counts(counts, labels, signalled))
     results = json.loads(file.read_bytes())
     try:
-        for column, levels in results["groups"].items():
-            if levels:
-                recognition_of(results, column)
+        groups = {
+            column: {level: _level(block, signalled) for level, block in levels.items()}
+            for column, levels in results["groups"].items()
+        }
     except (AttributeError, LookupError, TypeError, ValueError):
         raise InputError(f"{file}: not results; expected the results.json of emovid study analyze") from None
-    return results
+    return FigureData(counts, signalled, labels, groups)
+
+
+def _level(block: Any, signalled: Sequence[str]) -> LevelAccuracy:
+    found = [[block["recognition"][name][key] for key in ("rate", "ci_low", "ci_high")] for name in signalled]
+    return LevelAccuracy(int(block["n_participants"]), np.array(found, dtype=float))
 
 
 def measures_of(material: Material) -> dict[str, dict[str, float]]:

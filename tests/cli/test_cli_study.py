@@ -129,7 +129,7 @@ def test_a_replication_stands_beside_the_original(capsys) -> None:
     assert [line.split()[0] for line in lines] == [*EMOTIONS, "whole"]
     assert main(["study", "compare", str(REFERENCE / "counts.csv"), "r/confusion_matrix.csv", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert found["videos"]["happiness"]["difference"] < -0.2
+    assert found["videos"]["happiness"]["rates"]["difference"] < -0.2
     for other in ("r", "r/results.json"):
         assert main(["study", "compare", str(REFERENCE / "counts.csv"), other, "--json"]) == 0
         assert json.loads(capsys.readouterr().out) == found
@@ -140,10 +140,10 @@ def test_what_one_study_did_not_ask_is_no_number(tmp_path, capsys) -> None:
     (tmp_path / "b.csv").write_text("perceived,anger\nfear,2\nanger,3\n")
     assert main(["study", "compare", "a.csv", "b.csv", "--json"]) == 0
     found = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)  # NaN is no JSON
-    assert found["videos"]["fear"]["difference"] is None
-    assert found["videos"]["anger"]["difference"] == pytest.approx(3 / 5 - 4 / 5)
+    assert found["videos"]["fear"]["rates"]["difference"] is None
+    assert found["videos"]["anger"]["rates"]["difference"] == pytest.approx(3 / 5 - 4 / 5)
     assert main(["study", "compare", "a.csv", "b.csv"]) == 0
-    assert capsys.readouterr().out.startswith("fear       5/6 and 0/0        no answers to compare\nanger ")
+    assert capsys.readouterr().out.startswith("fear       5/6 and 0/0           no answers to compare\nanger ")
 
 
 def test_studies_of_other_labels_are_not_compared(tmp_path, capsys) -> None:
@@ -236,8 +236,8 @@ def test_an_export_s_columns_are_shown(capsys) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["analyze"], "expected exports to analyse, or --counts and a confusion matrix"),
-        (["analyze", "x.csv", "--counts", "y.csv"], "expected exports to analyse, or --counts and a confusion matrix"),
+        (["analyze"], "expected exports to analyze, or --counts and a confusion matrix"),
+        (["analyze", "x.csv", "--counts", "y.csv"], "expected exports to analyze, or --counts and a confusion matrix"),
         (["analyze", "--counts", "y.csv"], "y.csv: cannot be read: no such file or directory"),
         (["compare", "a.csv", "b.csv"], "a.csv: cannot be read: no such file or directory"),
         (["compare", str(REFERENCE / "counts.csv"), "."], "results.json: cannot be read: no such file or directory"),

@@ -23,8 +23,8 @@ from emovid.errors import InputError
 from emovid.figures.accuracy import accuracy_figure
 from emovid.figures.bubbles import fan
 from emovid.figures.circumplex import POSITIONS, Position, circumplex_figure
-from emovid.figures.confusion import confusion_figure, percent_of_columns
-from emovid.figures.study import study_figures
+from emovid.figures.confusion import confusion_figure
+from emovid.figures.study import FigureData, study_figures
 from emovid.figures.style import (
     DOUBLE_COLUMN,
     EMOTION_COLOURS,
@@ -282,14 +282,9 @@ def test_confusion_is_drawn_with_rows_perceived_from_the_top() -> None:
 
 def test_a_study_has_the_figures_that_its_results_allow() -> None:
     # Emotions that have no place on the circumplex, and a group that nobody is in.
-    results = {"counts": [[3, 1], [1, 3]], "emotions": ["joy", "awe"], "labels": ["joy", "awe"], "groups": {"age": {}}}
-    assert list(study_figures(results)) == ["confusion-matrix"]
-
-
-def test_percent_of_columns() -> None:
-    percent = percent_of_columns(np.array([[3, 0], [1, 0]]))
-    assert percent[:, 0].tolist() == [75, 25]
-    assert np.isnan(percent[:, 1]).all()
+    counts = np.array([[3, 1], [1, 3]])
+    data = FigureData(counts, ("joy", "awe"), ("joy", "awe"), {"age": {}})
+    assert list(study_figures(data)) == ["confusion-matrix"]
 
 
 @pytest.mark.parametrize("count", [2, 6, 12])

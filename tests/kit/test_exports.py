@@ -7,7 +7,6 @@ import json
 import re
 from itertools import takewhile
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -18,7 +17,8 @@ from emovid.kit.exports.reporting import OPEN
 from emovid.kit.folder import Kit, open_kit
 from emovid.responses.read import read_responses
 from emovid.statistics.analyze import analyze
-from emovid.statistics.power import plan
+from emovid.statistics.planning import plan
+from emovid.statistics.results import StudyResults
 from tests.helpers.limesurvey import seen
 from tests.helpers.tiny import LABELS, STUDY, make_kit, make_kit_of_placeholders
 
@@ -326,10 +326,10 @@ def test_exemplars_of_an_emotion_are_one_test_of_the_plan_and_of_the_preregistra
     assert "2 exemplars of each." in text
     assert "after Holm's correction for 6 tests" in text
     assert f"Holm's correction for 6 tests: {0.05 / 6:.4g}), the study needs {plan(0.5, 6, 6).n} participants" in text
-    assert len(analyzed(kit, tmp_path)["recognition"]) == 6  # as is said
+    assert len(analyzed(kit, tmp_path).recognition) == 6  # as is said
 
 
-def analyzed(kit: Kit, folder: Path) -> dict[str, Any]:
+def analyzed(kit: Kit, folder: Path) -> StudyResults:
     """Return the results of a study in which everybody answers the truth."""
     rows = [[who, code, str(i), kit.key[code]] for who, order in kit.orders.items() for i, code in enumerate(order, 1)]
     path = table(folder / "answers.csv", ["participant", "video", "position", "response"], rows)

@@ -4,14 +4,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from emovid.report import apa
-from emovid.statistics.circumplex import NearNeighbours, near_neighbours
 from emovid.statistics.compare import Compared
-from emovid.statistics.dependence import Agreement, VideosDiffer, label_use
+from emovid.statistics.confusions import NearNeighbors, near_neighbors
 from emovid.statistics.goodness import goodness_of_fit
-from emovid.statistics.groups import RatesDiffer, ScoresDiffer
-from emovid.statistics.pairs import Pair
-from emovid.statistics.permutation_tests import Order, TotalRecognition
-from emovid.statistics.recognition import recognise
+from emovid.statistics.groups import Pair, RatesDiffer, ScoresDiffer
+from emovid.statistics.participants import Agreement, LabelUse, Order, TotalRecognition, VideosDiffer
+from emovid.statistics.recognition import accuracy, recognize
+from emovid.statistics.resampling import Information
 
 ROW = np.array([20, 7, 5, 5, 4, 4])
 
@@ -52,31 +51,39 @@ def test_goodness() -> None:
     assert apa.goodness_exact(row) == "χ²(5, N = 12) = 10.00, exact p = .083, w = 0.91"
     many = goodness_of_fit(np.array([400, 300, 300, 300, 300, 300]))
     assert apa.goodness_exact(many).endswith("Monte Carlo p < .001 (B = 9,999), w = 0.12")
-    assert apa.goodness(goodness_of_fit(ROW * 0)) == "χ²(5, N = 0) = 0.00, p = 1.000, w = n/a"
+    assert apa.goodness(goodness_of_fit(ROW * 0)) == "χ²(5, N = 0) = n/a, p n/a, w = n/a"
 
 
 def test_proportion_and_binomial() -> None:
-    (test, *_) = recognise(np.column_stack([ROW, 0 * ROW]))
+    (test, *_) = recognize(np.column_stack([ROW, 0 * ROW]))
     rate = apa.proportion(test.hits, test.n, test.ci_low, test.ci_high)
     assert rate == "20/45 (44.4%, 95% CI [30.9, 58.8])"
-    assert apa.binomial(test) == f"{rate}, exact binomial p < .001, Holm p < .001"
+    assert apa.binomial(test) == f"{rate}, one-sided exact binomial p < .001, Holm p < .001"
     assert apa.proportion(0, 0, 0, 1) == "0/0"
 
 
 def test_within_participants() -> None:
-    assert apa.cochrans_q(VideosDiffer(3.3333, 5, 0.6487, 4)) == "Q(5) = 3.33, p = .649"
-    assert apa.fleiss_kappa(Agreement(0.2971, 4, 6)) == "Fleiss’ κ = 0.30"
+    assert apa.cochrans_q(VideosDiffer(5.0, 5, 0.4159, 40, 1)) == "Q(5, n = 1) = 5.00, p = .416"
+    nan = float("nan")
+    undefined = apa.cochrans_q(VideosDiffer(nan, 5, nan, 4, 0))
+    assert undefined == "Q undefined: none of 4 participants has both hits and misses"
+    assert apa.fleiss_kappa(Agreement(0.2971, 4, 6)) == "Fleiss’ κ = 0.30, n = 4"
     total = TotalRecognition(16, 24, 4.0, 9.3e-7, "exact")
-    assert apa.total_recognition(total) == "16/24 right, 4.00 expected, exact p < .001"
+    assert apa.total_recognition(total) == "16/24 right, 4.00 expected, one-sided exact p < .001"
     order = Order(np.array([1]), np.array([2]), -0.0125, 0.4845, "normal", 0, None)
     assert apa.order_effect(order) == "−1.25 points per position, p = .484"
-    use = label_use(np.array([[0, 1, 2], [2, 0, 1]]), 3)
-    assert apa.label_use(use) == "χ²(2) = 0.00, Monte Carlo p = 1.000 (B = 9,999)"
+    none = np.zeros(3)
+    use = LabelUse(none, none, none, none, none, 4.9855, (5, 39), 0.00126, 44)
+    assert apa.label_use(use) == "F(5, 39) = 4.99, p = .001"
+    unknown = LabelUse(none, none, none, none, none, nan, (0, 0), nan, 2)
+    assert apa.label_use(unknown) == "undefined: 2 participants with errors"
 
 
 def test_groups() -> None:
-    scores = ScoresDiffer(("no", "yes"), (3, 4), (0.5, 0.25), 0.1143, "exact", 0, None, (), ())
-    assert apa.scores_differ(scores) == "no 50.0%, yes 25.0%: permutation test, exact p = .114"
+    scores = ScoresDiffer(("no", "yes"), (3, 4), (0.5, 0.25), 0.1143, 0.2286, "exact", True, 0, None, (), ())
+    assert (
+        apa.scores_differ(scores) == "no 50.0%, yes 25.0%: studentized permutation test, exact p = .114, Holm p = .229"
+    )
 
 
 @pytest.mark.parametrize(
@@ -84,7 +91,7 @@ def test_groups() -> None:
     [
         ("exact", 0, "Fisher’s exact p = .752"),
         ("Monte Carlo", 9999, "Fisher, Freeman and Halton’s Monte Carlo p = .752 (B = 9,999)"),
-        ("chi-squared", 0, "Pearson’s χ² p = .752"),
+        ("permutation", 0, "permutation of participants, p = .752"),
     ],
 )
 def test_rates_are_reported_by_the_test_that_was_made(method: str, draws: int, said: str) -> None:
@@ -93,11 +100,34 @@ def test_rates_are_reported_by_the_test_that_was_made(method: str, draws: int, s
 
 
 def test_differences() -> None:
-    pair = Pair(("a", "b"), -0.0668, -0.3154, 0.2204, 0.2816, 2.591)
-    text = "−6.7 points, 95% CI [−31.5, 22.0], equivalent within ±28.2 points, BF01 = 2.59"
-    assert apa.difference(pair) == text
     nan = float("nan")
-    assert apa.difference(Pair(("a", "b"), 0.5, nan, nan, nan, nan)) == "50.0 points, no interval"
+    numbers = -0.0668, -0.3154, 0.2204, 0.2816
+    text = "−6.7 points, 95% CI [−31.5, 22.0], "
+    without = Pair(("a", "b"), *numbers, nan, None, 2.591)
+    assert apa.difference(without) == text + "equivalence not shown below 28.2 points, BF01 = 2.59"
+    shown = Pair(("a", "b"), *numbers, 0.3, True, 2.591)
+    assert apa.difference(shown) == text + "equivalent within ±30.0 points, BF01 = 2.59"
+    not_shown = Pair(("a", "b"), *numbers, 0.2, False, 2.591)
+    assert apa.difference(not_shown) == text + "equivalence not shown within ±20.0 points, BF01 = 2.59"
+    assert apa.difference(Pair(("a", "b"), 0.5, nan, nan, nan, nan, None, nan)) == "50.0 points, no interval"
+
+
+def test_all_answers_together() -> None:
+    matrix = np.diag([10, 10]) + np.array([[0, 5], [5, 0]])
+    assert apa.sentence(accuracy(matrix)) == "20/30 (66.7%)"
+    known = accuracy(matrix, np.array([2] * 10 + [0] * 5), np.full(15, 2))
+    assert apa.sentence(known) == "20/30 (66.7%, 95% CI [40.3, 85.5])"
+    assert apa.sentence(accuracy(0 * matrix)) == "0/0"
+    nan = float("nan")
+    assert apa.information(Information(0.7492, 0.53, 0.84, 2.585, 2000, 0)) == "0.75 of 2.58 bits, 95% CI [0.53, 0.84]"
+    assert apa.information(Information(0.7492, nan, nan, 2.585, 0, None)) == "0.75 of 2.58 bits"
+
+
+def test_what_is_no_test_has_no_sentence() -> None:
+    assert apa.has_sentence(Pair)
+    assert not apa.has_sentence(str)
+    with pytest.raises(TypeError, match="str is no test"):
+        apa.sentence("x")
 
 
 @pytest.mark.parametrize(
@@ -113,10 +143,13 @@ def test_a_bayes_factor_that_is_not_known() -> None:
 
 
 def test_the_circle_and_replications() -> None:
-    near = NearNeighbours(125, 62.176, 78.533, 0.0125)
-    assert apa.near_neighbours(near) == "mean distance 62.2°, 78.5° expected, exact p = .013"
-    none = near_neighbours(np.eye(2, dtype=np.int64), ("fear", "anger"))
-    assert apa.near_neighbours(none) == "no confusions of emotions that have a place on it"
+    near = NearNeighbors(125, 62.279, 68.317, 0.0125, "Monte Carlo", 3999, 0)
+    said = "mean distance 62.3°, 68.3° expected, one-sided p = .013 (B = 3,999)"
+    assert apa.near_neighbors(near) == said
+    none = near_neighbors(np.eye(2, dtype=np.int64), ("fear", "anger"))
+    assert apa.near_neighbors(none) == "no confusions of emotions that have a place on it"
+    fixed = near_neighbors(np.ones((2, 2), dtype=np.int64), ("fear", "anger"))
+    assert apa.near_neighbors(fixed).endswith("cannot be tested: the margins fix the distance")
     both = Compared((), 40.1667, 30, 0.1017, 0.0896, 9999, 0)
     assert apa.compared(both) == "χ²(30) = 40.17, Monte Carlo p = .090 (B = 9,999)"
 

@@ -1,6 +1,7 @@
 import csv
 import io
 import json
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -8,12 +9,12 @@ import pytest
 
 from emovid.csv_writer import safe
 from emovid.errors import SourceError
-from emovid.report.matrix_tables import matrix_csv, matrix_latex, matrix_markdown
-from emovid.report.outputs import result_files, tidy_csv
-from emovid.report.report import report_html
-from emovid.responses.responses import EMOTIONS, Rejected, Responses
+from emovid.report.page import report_html
+from emovid.report.tables import matrix_csv, matrix_latex, matrix_markdown, result_files, tidy_csv
+from emovid.responses.responses import EMOTIONS, Rejected, Responses, Source
 from emovid.responses.results_files import read_matrix, read_results
 from emovid.statistics.analyze import analyze, analyze_counts
+from emovid.statistics.results import Provenance
 from tests.helpers.known import TABLE_III
 from tests.statistics.test_analyze import responses
 
@@ -53,8 +54,8 @@ def test_a_matrix_from_a_spreadsheet_is_read_like_any_table(tmp_path) -> None:
 def test_a_matrix_of_the_largest_counts_is_analysed(tmp_path) -> None:
     (tmp_path / "m.csv").write_text("perceived,fear,anger\nfear,9999999,1\nanger,9999999,2\nawe,0,9999999\n")
     found = analyze_counts(*read_matrix(tmp_path / "m.csv"))
-    assert found["goodness_of_fit"]["fear"]["p_exact"] < 0.001
-    assert found["recognition"]["fear"]["hu"] == pytest.approx(0.5)  # 9999999^2 / (10000000 * 19999998)
+    assert found.goodness_of_fit["fear"].p_exact < 0.001
+    assert found.recognition["fear"].hu == pytest.approx(0.5)  # 9999999^2 / (10000000 * 19999998)
 
 
 RESULTS = {"counts": [[3, 1], [1, 2], [0, 1]], "labels": ["fear", "anger", "none"], "emotions": ["fear", "anger"]}
@@ -217,7 +218,7 @@ def test_results_are_json(files) -> None:
 
 def test_the_report_needs_nothing_else() -> None:
     study = responses(TABLE_III)
-    page = report_html(analyze(study), study, {"A <picture>": ("png", b"data")})
+    page = report_html(analyze(study), study, {"confusion-matrix": ("A <picture>", b"data")})
     for foreign in ("http:", "https:", "<script", "<link", "@import"):
         assert foreign not in page
     assert "A &lt;picture&gt;" in page
@@ -232,8 +233,8 @@ def test_a_report_judges_the_videos_that_were_shown_and_says_who_said_nothing() 
     offered = Responses(labels, labels, study.answers, silent)
     page = report_html(analyze(offered), offered, {})
     assert "is supported: 6 of 6" in page
-    assert r"Neutral & 0/0 & -- & 0.00 & 1.000 & 1.000 & -- & 1.000 & -- \\" in latex_of(offered)
-    assert "<td>hand</td><td>not said</td><td>1</td>" in page
+    assert r"Neutral & 0/0 & -- & -- & -- & -- & -- & -- & -- \\" in latex_of(offered)
+    assert '<td>hand</td><td class="text">not said</td><td>1</td>' in page
 
 
 def latex_of(study: Responses) -> str:
@@ -242,9 +243,8 @@ def latex_of(study: Responses) -> str:
 
 def test_a_report_names_its_sources_its_key_and_its_version() -> None:
     study = responses(TABLE_III)
-    source = {"file": "a<b.csv", "dialect": "long table", "sha256": "12", "participants": 45}
-    known = {"inputs": [source], "key_sha256": "34", "version": "0.1.0", "seed": 7}
-    page = report_html(analyze(study) | {"provenance": known}, study, {})
+    known = Provenance((Source("a<b.csv", "long table", "12", 45),), "34", "0.1.0", 7)
+    page = report_html(replace(analyze(study), provenance=known), study, {})
     for line in ("a&lt;b.csv: long table, SHA-256 12", "key: SHA-256 34", "emovid 0.1.0, seed 7"):
         assert f"<li>{line}</li>" in page
 

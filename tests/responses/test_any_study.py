@@ -2,13 +2,14 @@
 
 import json
 
-import numpy as np
 import pandas as pd
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from jsonschema import validate
 
-from emovid.report.outputs import result_files
-from emovid.report.report import report_html
+from emovid.report.page import report_html
+from emovid.report.results_json import as_json, results_schema
+from emovid.report.tables import result_files
 from emovid.responses.responses import EMOTIONS, Responses
 from emovid.statistics.analyze import analyze, analyze_counts
 
@@ -40,11 +41,13 @@ def studies(draw: st.DrawFn) -> Responses:
 @settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow])
 def test_any_study_gives_results(study: Responses) -> None:
     results = analyze(study)
-    assert np.sum(results["counts"]) == len(study.answers)
+    assert results.counts.sum() == len(study.answers)
     files = result_files(results, study)
-    assert json.loads(files["results.json"]) == results
+    found = json.loads(files["results.json"])
+    assert {"schema_version": 2, **as_json(results)} == found
+    validate(found, results_schema())
     assert report_html(results, study, {}).endswith("</html>\n")
-    assert analyze(study) == results
+    assert as_json(analyze(study)) == as_json(results)
 
 
 @given(studies())

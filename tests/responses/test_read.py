@@ -107,25 +107,25 @@ def test_a_label_that_no_video_stands_for_is_a_row_without_a_column(read) -> Non
     assert (found.signalled, found.labels) == (("awe", "fear"), ("awe", "fear", "sadness", "surprise", "none"))
     assert found.counts().tolist() == [[1, 1], [0, 1], [1, 0], [0, 0], [0, 0]]
     results = analyze(found)
-    assert {*results["recognition"]} == {*results["goodness_of_fit"]} == {"awe", "fear"}
-    assert {*results["groups"]["gender"]["f"]["recognition"]} == {"awe", "fear"}
-    holm = [results["recognition"][name]["p_holm"] for name in ("awe", "fear")]
+    assert {*results.recognition} == {*results.goodness_of_fit} == {"awe", "fear"}
+    assert {*results.groups["gender"]["f"].recognition} == {"awe", "fear"}
+    holm = [results.recognition[name].p_holm for name in ("awe", "fear")]
     assert holm == pytest.approx([2 * (1 - 0.8**2)] * 2)  # 1 of 2 hits at chance 1 / 5, over two videos and no more
-    assert results["recognition"]["awe"]["chance"] == 1 / 5  # it may be answered all the same
-    assert not any("missing" in warning or "no answers" in warning for warning in results["warnings"])
-    assert "no video stands for sadness, surprise: rows of the matrix without a column" in results["warnings"]
+    assert results.recognition["awe"].chance == 1 / 5  # it may be answered all the same
+    assert not any("missing" in warning or "no answers" in warning for warning in results.warnings)
+    assert "no video stands for sadness, surprise: rows of the matrix without a column" in results.warnings
     keyed = read(HEAD + "a,m1,sadness,f\n", "video_code,true_emotion\nm1,awe\nm2,fear\n", labels=labels)
     assert keyed.signalled == ("awe", "fear")  # the key has a video of fear, though nobody answered
-    assert "fear: no answers to a video of it" in analyze(keyed)["warnings"]
+    assert "fear: no answers to a video of it" in analyze(keyed).warnings
 
 
 def test_what_the_circumplex_leaves_out_is_said(read) -> None:
-    said = analyze(read(HEAD + "a,awe,fear,f\na,fear,awe,f\n", labels=["awe", "fear"]))["warnings"]
+    said = analyze(read(HEAD + "a,awe,fear,f\na,fear,awe,f\n", labels=["awe", "fear"])).warnings
     assert (
         "awe: no known place on the circumplex, so there is no figure of it, and tests of valence, arousal and near "
         "neighbours leave them out"
     ) in said
-    assert not any("circumplex" in line for line in analyze(read(HEAD + "a,fear,fear,f\n"))["warnings"])
+    assert not any("circumplex" in line for line in analyze(read(HEAD + "a,fear,fear,f\n")).warnings)
 
 
 def test_labels_of_the_map_and_of_the_caller(read) -> None:
@@ -165,7 +165,7 @@ def test_values_of_the_map_are_meant_as_they_are_written(read, value) -> None:
 def test_whom_the_map_drops_in_vain_is_counted_as_nobody(read, refusal) -> None:
     found = read(HEAD + "a,anger,angry,f\n", mapping="drop: {participant: [P07]}\n")
     assert found.dropped == {"participant = P07": 0}
-    assert "participants left out: 0 participant = P07" in analyze(found)["warnings"]
+    assert "participants left out: 0 participant = P07" in analyze(found).warnings
     message = refusal(HEAD + "a,anger,angry,f\n", mapping="drop: {participant: [b, A]}\n")
     assert message == "x.csv: no participant is left (1 participant = A); expected answers"
 

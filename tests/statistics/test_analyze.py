@@ -6,9 +6,11 @@ import pandas as pd
 import pytest
 from scipy.stats import binomtest, chisquare
 
-from emovid.figures.study import study_figures
+from emovid.figures.study import figure_data, study_figures
+from emovid.report.results_json import as_json
 from emovid.responses.responses import EMOTIONS, Responses
 from emovid.statistics.analyze import analyze, analyze_counts
+from emovid.statistics.results import StudyResults
 from tests.helpers.known import TABLE_III
 
 
@@ -28,87 +30,88 @@ def responses(counts: np.ndarray, positions: bool = False) -> Responses:
 
 
 @pytest.fixture(scope="module")
-def results() -> dict:
+def results() -> StudyResults:
     return analyze(responses(TABLE_III))
 
 
 def test_the_matrix_is_that_of_the_paper(results) -> None:
-    assert results["counts"] == TABLE_III.tolist()
-    assert results["percent"][0] == pytest.approx([64.44, 17.78, 8.89, 4.44, 4.44, 13.33], abs=0.005)
-    assert (results["n_participants"], results["n_responses"], results["n_videos"]) == (45, 270, 6)
-    assert results["emotions"] == list(EMOTIONS)
+    assert results.counts.tolist() == TABLE_III.tolist()
+    assert results.percent[0] == pytest.approx([64.44, 17.78, 8.89, 4.44, 4.44, 13.33], abs=0.005)
+    assert (results.n_participants, results.n_responses, results.n_videos) == (45, 270, 6)
+    assert results.emotions == EMOTIONS
 
 
 def test_goodness_of_fit_is_scipy_s(results) -> None:
     for j, name in enumerate(EMOTIONS):
         expected = chisquare(TABLE_III[:, j])
-        fit = results["goodness_of_fit"][name]
-        assert (fit["statistic"], fit["p"]) == pytest.approx((expected.statistic, expected.pvalue))
-        assert {"n", "statistic", "dof", "p", "p_exact", "cohens_w"} <= set(fit)
+        fit = results.goodness_of_fit[name]
+        assert (fit.statistic, fit.p) == pytest.approx((expected.statistic, expected.pvalue))
+        assert {"n", "statistic", "dof", "p", "p_exact", "cohens_w"} <= set(vars(fit))
 
 
 def test_recognition_is_scipy_s(results) -> None:
     for j, name in enumerate(EMOTIONS):
-        found = results["recognition"][name]
+        found = results.recognition[name]
         test = binomtest(int(TABLE_III[j, j]), 45, 1 / 6, alternative="greater")
-        assert found["p_binomial"] == pytest.approx(test.pvalue)
-        assert found["p_binomial"] <= found["p_holm"] <= 6 * found["p_binomial"] + 1e-15
-        assert found["hu_low"] <= found["hu"] <= found["hu_high"]
-    assert results["recognition"]["fear"]["verdict"] == "relative majority"
+        assert found.p_binomial == pytest.approx(test.pvalue)
+        assert found.p_binomial <= found.p_holm <= 6 * found.p_binomial + 1e-15
+        assert found.hu_low <= found.hu <= found.hu_high
+    assert results.recognition["fear"].verdict == "relative majority"
 
 
 def test_groups_add_up_to_the_whole(results) -> None:
-    levels = results["groups"]["hand"]
-    assert {level: block["n_participants"] for level, block in levels.items()} == {"left": 30, "right": 15}
-    assert sum(np.array(block["counts"]) for block in levels.values()).tolist() == TABLE_III.tolist()
-    assert results["group_differences"]["hand"]["scores"]["levels"] == ["left", "right"]
-    assert list(results["group_differences"]["hand"]["videos"]) == list(EMOTIONS)
+    levels = results.groups["hand"]
+    assert {level: block.n_participants for level, block in levels.items()} == {"left": 30, "right": 15}
+    assert sum(block.counts for block in levels.values()).tolist() == TABLE_III.tolist()
+    assert results.group_differences["hand"].scores.levels == ("left", "right")
+    assert list(results.group_differences["hand"].videos) == list(EMOTIONS)
 
 
 def test_everything_is_json_without_nan(results) -> None:
-    text = json.dumps(results, allow_nan=False)
-    assert json.loads(text) == results
+    found = as_json(results)
+    assert json.loads(json.dumps(found, allow_nan=False)) == found
 
 
 def test_every_test_has_its_sentence(results) -> None:
-    assert results["goodness_of_fit"]["fear"]["apa"] == "χ²(5, N = 45) = 27.67, p < .001, w = 0.78"
-    assert results["recognition"]["fear"]["apa"].startswith("18/45 (40.0%, 95% CI [27.0, 54.5])")
-    assert "expected" in results["near_neighbours"]["apa"]
+    found = as_json(results)
+    assert found["goodness_of_fit"]["fear"]["apa"] == "χ²(5, N = 45) = 27.67, p < .001, w = 0.78"
+    assert found["recognition"]["fear"]["apa"].startswith("18/45 (40.0%, 95% CI [27.0, 54.5])")
+    assert "expected" in found["near_neighbours"]["apa"]
 
 
 def test_the_seed_decides(results) -> None:
-    assert analyze(responses(TABLE_III)) == results
-    assert analyze(responses(TABLE_III), seed=1)["recognition"]["fear"]["hu_low"] != math.inf
+    assert as_json(analyze(responses(TABLE_III))) == as_json(results)
+    assert analyze(responses(TABLE_III), seed=1).recognition["fear"] != results.recognition["fear"]
 
 
 def test_the_order_is_looked_at_where_it_is_known(results) -> None:
-    assert results["dependence"]["order"] is None
+    assert results.dependence.order is None
     known = analyze(responses(TABLE_III, positions=True))
-    assert sum(known["dependence"]["order"]["n"]) == 270
+    assert sum(known.dependence.order.n) == 270
 
 
 def test_a_matrix_alone_gives_what_it_can(results) -> None:
     alone = analyze_counts(TABLE_III, EMOTIONS, EMOTIONS)
-    assert alone["goodness_of_fit"] == results["goodness_of_fit"]
-    assert alone["n_participants"] is None
-    assert alone["groups"] == {}
+    assert alone.goodness_of_fit == results.goodness_of_fit
+    assert alone.n_participants is None
+    assert alone.groups == {}
 
 
 def test_a_wrong_label_that_everyone_gives_is_warned_of() -> None:
     counts = np.full((6, 6), 5)
     counts[:, 0] = [1, 1, 1, 1, 1, 25]
-    said = analyze_counts(counts, EMOTIONS, EMOTIONS)["warnings"]
-    assert "happiness: the answers are not uniform, but not because it was recognised: most said sadness" in said
+    said = analyze_counts(counts, EMOTIONS, EMOTIONS).warnings
+    assert "happiness: the answers are not uniform, but not because it was recognized: most said sadness" in said
 
 
 def test_the_right_label_is_not_called_a_wrong_one() -> None:
     counts = np.full((6, 6), 5)
     counts[:, 0] = [5, 5, 5, 0, 0, 0]
-    said = analyze_counts(counts, EMOTIONS, EMOTIONS)["warnings"]
+    said = analyze_counts(counts, EMOTIONS, EMOTIONS).warnings
     assert "happiness: the answers are not uniform, yet it is not above chance" in said
     counts[:, 0] = [0, 0, 0, 5, 5, 5]
-    said = analyze_counts(counts, EMOTIONS, EMOTIONS)["warnings"]
-    text = "happiness: the answers are not uniform, but not because it was recognised: most said fear and disgust and"
+    said = analyze_counts(counts, EMOTIONS, EMOTIONS).warnings
+    text = "happiness: the answers are not uniform, but not because it was recognized: most said fear and disgust and"
     assert any(line.startswith(text) for line in said)
 
 
@@ -116,26 +119,26 @@ def test_a_label_without_a_video_is_named_and_no_answer_is_missing() -> None:
     study = responses(TABLE_III)
     labels = (*EMOTIONS, "neutral")
     offered = analyze(Responses(labels, labels, study.answers, study.participants))
-    assert "neutral: no answers to a video of it" in offered["warnings"]
-    assert not [line for line in offered["warnings"] if "missing" in line or line.startswith("neutral: 0.0")]
-    without = analyze(study)["dependence"]
-    for name in ("fleiss_kappa", "cochran_q"):
-        assert offered["dependence"][name] == without[name]
+    assert "neutral: no answers to a video of it" in offered.warnings
+    assert not [line for line in offered.warnings if "missing" in line or line.startswith("neutral: 0.0")]
+    without = analyze(study).dependence
+    assert offered.dependence.fleiss_kappa == without.fleiss_kappa
+    assert offered.dependence.cochran_q == without.cochran_q
 
 
 def test_who_was_left_out_is_said() -> None:
     study = responses(TABLE_III)
     dropped = Responses(EMOTIONS, EMOTIONS, study.answers, study.participants, dropped={"preview": 2, "bot": 1})
-    assert "participants left out: 2 preview, 1 bot" in analyze(dropped)["warnings"]
+    assert "participants left out: 2 preview, 1 bot" in analyze(dropped).warnings
 
 
 def test_a_missing_answer_is_counted() -> None:
     study = responses(TABLE_III)
     some = analyze(Responses(EMOTIONS, EMOTIONS, study.answers[:-2], study.participants))
-    assert "2 of 270 answers are missing" in some["warnings"]
+    assert "2 of 270 answers are missing" in some.warnings
 
 
-def test_of_two_videos_of_one_emotion_the_first_answer_goes_with_its_own_position() -> None:
+def test_all_answers_to_several_videos_of_one_emotion_count_in_every_table() -> None:
     # Everybody is right about the first anger and the first fear, at positions 1 and 2, and wrong about the others.
     rows = [
         (f"p{i}", f"{emotion}{take}", emotion, emotion if take == 0 else "sadness", 2 * take + 1 + (i + j) % 2)
@@ -144,11 +147,19 @@ def test_of_two_videos_of_one_emotion_the_first_answer_goes_with_its_own_positio
         for take in (0, 1)
     ]
     answers = pd.DataFrame(rows, columns=["participant", "video", "signalled", "perceived", "position"])
-    people = pd.DataFrame(index=[f"p{i}" for i in range(8)])
+    people = pd.DataFrame({"hand": ["left", "right"] * 4}, index=[f"p{i}" for i in range(8)])
     found = analyze(Responses(EMOTIONS, EMOTIONS, answers.astype({"position": "Int64"}), people))
-    assert (found["dependence"]["order"]["hits"], found["dependence"]["order"]["n"]) == ([8, 8], [8, 8])
-    said = [line for line in found["warnings"] if "second or later" in line]
-    assert said[0].startswith("16 answers are a participant's second or later to one emotion")
+    dependence = found.dependence
+    assert (dependence.order.hits.tolist(), dependence.order.n.tolist()) == ([8, 8, 0, 0], [8, 8, 8, 8])
+    assert (dependence.total_recognition.hits, dependence.total_recognition.n) == (16, 32)
+    assert (found.recognition["anger"].hits, found.recognition["anger"].n) == (8, 16)
+    assert (found.groups["hand"]["left"].recognition["anger"].hits, found.groups["hand"]["left"].n_responses) == (4, 16)
+    assert found.group_differences["hand"].scores.means == (0.5, 0.5)
+    assert found.group_differences["hand"].videos["anger"].n == (8, 8)
+    assert {code: (video.recognition.hits, video.recognition.n) for code, video in found.videos.items()} == {
+        "anger0": (8, 8), "anger1": (0, 8), "fear0": (8, 8), "fear1": (0, 8)
+    }  # fmt: skip
+    assert any("participants answered several videos of one emotion" in note for note in found.notes)
 
 
 def test_a_group_of_very_many_levels_is_compared_only_where_it_is_asked_for() -> None:
@@ -158,11 +169,11 @@ def test_a_group_of_very_many_levels_is_compared_only_where_it_is_asked_for() ->
     )
     study = Responses(EMOTIONS, EMOTIONS, study.answers, aged)
     found = analyze(study)
-    assert list(found["groups"]) == list(found["group_differences"]) == ["hand"]
-    assert "age: 13 levels, too many for a group; --by age compares them all the same" in found["warnings"]
+    assert list(found.groups) == list(found.group_differences) == ["hand"]
+    assert "age: 13 levels, too many for a group; --by age compares them all the same" in found.notes
     asked = analyze(study, by=["age"])
-    assert list(asked["groups"]) == ["age"]
-    assert not [line for line in asked["warnings"] if "too many" in line]
+    assert list(asked.groups) == ["age"]
+    assert not [line for line in (*asked.warnings, *asked.notes) if "too many" in line]
 
 
 def test_figures_of_groups_have_names_that_any_file_system_takes() -> None:
@@ -170,13 +181,13 @@ def test_figures_of_groups_have_names_that_any_file_system_takes() -> None:
     question = "Geschlecht (m/w/d): " + "wie Sie es nennen? " * 20
     groups = {question: "hand", f"{question}!": "hand", "Hand": "hand", "hand": "hand", "a_b": "hand"}
     people = pd.DataFrame({name: study.participants[column] for name, column in groups.items()})
-    names = list(study_figures(analyze(Responses(EMOTIONS, EMOTIONS, study.answers, people))))
+    names = list(study_figures(figure_data(analyze(Responses(EMOTIONS, EMOTIONS, study.answers, people)))))
     long = "accuracy-Geschlecht-m-w-d-wie-Sie-es-nennen-wie-Sie-es-nenne"
     assert names[2:] == [long, f"{long}-2", "accuracy-Hand", "accuracy-hand-2", "accuracy-a-b"]
 
 
 def test_few_answers_are_warned_of() -> None:
-    said = analyze(responses(np.eye(6, dtype=int) * 4))["warnings"]
+    said = analyze(responses(np.eye(6, dtype=int) * 4)).warnings
     assert "fear: 0.7 answers a cell are expected, under 5: use the exact p" in said
     assert "hand: fewer than 5 participants in left, right; read their tests as hints" in said
 
@@ -185,12 +196,13 @@ def test_a_group_of_one_is_no_error() -> None:
     study = responses(TABLE_III)
     ages = ["old"] + ["young"] * 44
     lonely = Responses(EMOTIONS, EMOTIONS, study.answers, study.participants.assign(age=ages))
-    assert analyze(lonely, by=["age"])["groups"]["age"]["old"]["n_participants"] == 1
+    assert analyze(lonely, by=["age"]).groups["age"]["old"].n_participants == 1
 
 
 def test_an_emotion_without_answers_is_no_error() -> None:
     counts = TABLE_III.copy()
     counts[:, 2] = 0
     found = analyze_counts(counts, EMOTIONS, EMOTIONS)
-    assert found["recognition"]["anger"]["rate"] is None
-    assert found["percent"][0][2] is None
+    assert as_json(found)["recognition"]["anger"]["rate"] is None
+    assert as_json(found)["percent"][0][2] is None
+    assert math.isnan(found.recognition["anger"].p_binomial)

@@ -6,7 +6,7 @@ from scipy.stats import chi2, chi2_contingency, fisher_exact
 
 from emovid.statistics.compare import aligned, compare, homogeneity
 from emovid.statistics.goodness import DRAWS
-from emovid.statistics.pairs import newcombe
+from emovid.statistics.proportions import newcombe
 
 A = np.array([[29, 8, 4], [5, 26, 4], [4, 0, 25], [7, 11, 12]])
 B = np.array([[14, 6, 8], [6, 10, 2], [4, 3, 9], [2, 5, 5]])
@@ -38,7 +38,10 @@ def test_each_video_is_a_table_of_two_studies() -> None:
         expected = chi2_contingency(np.array([A[:, j], B[:, j]]), correction=False)
         assert video.statistic == pytest.approx(expected.statistic)
         assert video.dof == expected.dof
-        assert video.p == pytest.approx(expected.pvalue, abs=0.03)
+        assert video.p_answers == pytest.approx(expected.pvalue, abs=0.03)
+        hits, n = video.hits, video.n
+        rates = fisher_exact([[hits[0], n[0] - hits[0]], [hits[1], n[1] - hits[1]]])
+        assert video.p == pytest.approx(rates.pvalue)
 
 
 def test_the_whole_is_their_sum() -> None:
@@ -52,8 +55,8 @@ def test_the_whole_is_their_sum() -> None:
 def test_differences_are_replication_less_original() -> None:
     first = compare(A, B).videos[0]
     assert (first.hits, first.n) == ((29, 14), (45, 26))
-    assert first.difference == pytest.approx(14 / 26 - 29 / 45)
-    assert (first.ci_low, first.ci_high) == newcombe((14, 29), (26, 45))
+    assert first.rates.difference == pytest.approx(14 / 26 - 29 / 45)
+    assert (first.rates.ci_low, first.rates.ci_high) == newcombe((14, 29), (26, 45))
 
 
 def test_two_labels_are_fishers_test() -> None:
@@ -66,6 +69,8 @@ def test_holm_and_seed() -> None:
     test = compare(A, B, seed=9)
     smallest = min(video.p for video in test.videos)
     assert min(video.p_holm for video in test.videos) == pytest.approx(min(1, 3 * smallest))
+    answers = min(video.p_answers for video in test.videos)
+    assert min(video.p_answers_holm for video in test.videos) == pytest.approx(min(1, 3 * answers))
     assert (test.draws, test.seed) == (DRAWS, 9)
     assert compare(A, B, seed=9) == test
 
@@ -73,7 +78,7 @@ def test_holm_and_seed() -> None:
 def test_the_same_study_twice() -> None:
     test = compare(A, A)
     assert (test.statistic, test.p, test.p_monte_carlo) == (0, 1, 1)
-    assert all(video.difference == 0 and video.ci_low < 0 < video.ci_high for video in test.videos)
+    assert all(video.rates.difference == 0 and video.rates.ci_low < 0 < video.rates.ci_high for video in test.videos)
 
 
 def test_another_study() -> None:
@@ -86,10 +91,11 @@ def test_a_video_that_one_study_lacks() -> None:
     missing = B.copy()
     missing[:, 1] = 0
     test = compare(A, missing)
-    assert (test.videos[1].statistic, test.videos[1].dof, test.videos[1].p, test.videos[1].p_holm) == (0, 0, 1, 1)
-    assert np.isnan(test.videos[1].difference)
+    video = test.videos[1]
+    assert (video.statistic, video.dof) == (0, 0)
+    assert np.isnan([video.p, video.p_holm, video.p_answers, video.rates.difference, video.replication_bf]).all()
     assert test.dof == 6
-    assert compare(A * 0, B * 0).p == 1
+    assert np.isnan([compare(A * 0, B * 0).p, compare(A * 0, B * 0).p_monte_carlo]).all()
 
 
 def test_other_labels_cannot_be_compared() -> None:
@@ -107,8 +113,9 @@ def test_homogeneity_of_many_tables() -> None:
 @settings(max_examples=12)
 def test_order_of_studies_and_labels_does_not_matter(a: np.ndarray, b: np.ndarray, order: list[int]) -> None:
     test, swapped = compare(a, b), compare(b, a)
-    assert 0 < test.p_monte_carlo <= 1
-    assert all(0 < video.p <= video.p_holm <= 1 for video in test.videos)
+    assert np.isnan(test.p_monte_carlo) == (test.dof == 0)
+    assert np.isnan(test.p_monte_carlo) or 0 < test.p_monte_carlo <= 1
+    assert all(np.isnan(video.p) or 0 < video.p <= video.p_holm <= 1 for video in test.videos)
     assert swapped.statistic == pytest.approx(test.statistic)
     renamed = compare(a[np.ix_(order, order)], b[np.ix_(order, order)])
     assert renamed.statistic == pytest.approx(test.statistic)

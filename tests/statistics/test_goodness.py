@@ -1,5 +1,5 @@
 import math
-from itertools import product
+from itertools import permutations, product
 from math import factorial, prod
 
 import numpy as np
@@ -7,14 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import chisquare
-from statsmodels.stats.contingency_tables import Table
 
 from emovid.statistics.goodness import (
     DRAWS,
     MOST_PARTITIONS,
-    adjusted_residuals,
     exact_p,
-    goodness_by_video,
     goodness_of_fit,
     monte_carlo_p,
     partitions,
@@ -37,7 +34,7 @@ def enumerated_p(counts: np.ndarray) -> float:
 
 
 def test_table_iii() -> None:
-    tests = goodness_by_video(TABLE_III)
+    tests = [goodness_of_fit(column) for column in TABLE_III.T]
     assert [t.statistic for t in tests] == pytest.approx([75.133, 60.200, 54.067, 27.667, 39.933, 79.133], abs=5e-4)
     assert all(t.dof == 5 and t.n == 45 and t.expected == 7.5 for t in tests)
     assert all(t.p < 1e-4 and t.p_exact < 1e-4 for t in tests)
@@ -93,8 +90,8 @@ def test_partitions_of_more_answers_than_an_array_could_list() -> None:
 
 def test_nobody_answered() -> None:
     test = goodness_of_fit(np.zeros(6, dtype=np.int64))
-    assert (test.n, test.statistic, test.p, test.p_exact) == (0, 0, 1, 1)
-    assert np.isnan(test.cohens_w)
+    assert test.n == 0
+    assert np.isnan([test.statistic, test.p, test.p_exact, test.cohens_w]).all()
 
 
 def test_many_answers_are_drawn() -> None:
@@ -135,17 +132,28 @@ def test_probabilities_add_up_to_one(n: int, k: int) -> None:
     assert exact_p(even) == pytest.approx(1, rel=1e-9)
 
 
-def test_residuals_are_those_of_statsmodels() -> None:
-    expected = Table(TABLE_III, shift_zeros=False).standardized_resids
-    assert adjusted_residuals(TABLE_III) == pytest.approx(np.asarray(expected))
+def uses(answers: list[list[int]], k: int) -> np.ndarray:
+    return np.array([np.bincount(row, minlength=k) for row in answers])
 
 
-def test_residuals_of_empty_margins() -> None:
-    residuals = adjusted_residuals(np.array([[3, 1, 0], [1, 3, 0], [0, 0, 0]]))
-    assert np.isnan(residuals[2]).all()
-    assert np.isnan(residuals[:, 2]).all()
-    assert residuals[0, 0] == pytest.approx(1 / np.sqrt(0.5))  # (3 - 2) / sqrt(2 * 1/2 * 1/2)
-    assert np.isnan(adjusted_residuals(np.zeros((2, 2), dtype=np.int64))).all()
+def test_several_answers_of_a_participant_are_every_permutation_of_labels() -> None:
+    used = uses([[0, 0], [0, 1], [2, 0]], 3)
+    test = goodness_of_fit(used.sum(axis=0), uses=used)
+    orders = [list(permutations(row)) for row in used.tolist()]
+    totals = np.array([np.sum(rows, axis=0) for rows in product(*orders)])
+    expected = ((totals**2).sum(axis=1) >= (used.sum(axis=0) ** 2).sum()).mean()
+    assert test.p_exact == pytest.approx(expected, abs=0.015)
+    assert (test.method, test.draws, test.seed) == ("Monte Carlo", DRAWS, 0)
+
+
+def test_the_permutation_statistic_of_one_answer_each_is_pearson_s() -> None:
+    used = uses([[answer] for answer in [0] * 9 + [1] * 4 + [2] * 2], 3)
+    test, pearson = goodness_of_fit(used.sum(axis=0), uses=used), goodness_of_fit(used.sum(axis=0))
+    assert test == pearson
+    twice = goodness_of_fit(2 * used.sum(axis=0), uses=2 * used)  # everybody repeats the answer: no new evidence
+    assert twice.statistic == pytest.approx(pearson.statistic)
+    assert twice.p_exact == pytest.approx(pearson.p_exact, abs=0.01)
+    assert twice.cohens_w == pytest.approx(pearson.cohens_w)
 
 
 def test_the_example_of_r_s_manual() -> None:

@@ -6,20 +6,30 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
-from scipy.stats import cauchy, fisher_exact, nct, norm, ttest_ind
+from scipy.stats import cauchy, chi2_contingency, fisher_exact, nct, norm, ttest_ind
 from scipy.stats import t as student
 
 from emovid.statistics.goodness import DRAWS
-from emovid.statistics.groups import MIN_GROUP, levels_of, rates_differ, scores_differ
-from emovid.statistics.pairs import mean_pair, means_bf01, newcombe, rate_pair, rates_bf01
+from emovid.statistics.groups import (
+    MIN_GROUP,
+    levels_of,
+    mean_pair,
+    means_bf01,
+    rate_pair,
+    rates_differ,
+    scores_differ,
+)
+from emovid.statistics.proportions import newcombe, rates_bf01
+from emovid.statistics.showings import Showings
 
 N = st.integers(1, 40)
 
 
-def answers(scores: list[int], videos: int = 6) -> np.ndarray:
-    """Return choices (participants, videos) whose first `score` answers are right."""
-    right = np.arange(videos)
-    return np.array([np.where(right < score, right, (right + 1) % videos) for score in scores])
+def answers(scores: list[int], videos: int = 6) -> Showings:
+    """Return answers to videos (participants, videos) whose first `score` answers are right."""
+    right, k = np.arange(videos), max(videos, 2)
+    choices = np.array([np.where(right < score, right, (right + 1) % k) for score in scores])
+    return Showings(choices, np.full_like(choices, -1), right, tuple(f"v{j}" for j in range(videos)), k, videos)
 
 
 def test_levels() -> None:
@@ -29,9 +39,12 @@ def test_levels() -> None:
 def test_scores_are_every_split() -> None:
     scores = [6, 5, 5, 4, 3, 2, 1]
     test = scores_differ(answers(scores), ["a", "a", "b", "a", "b", "b", "b"])
-    sums = [sum(scores[i] for i in one) for one in combinations(range(7), 3)]
-    apart = np.array([abs(one / 3 - (26 - one) / 4) for one in sums])
+    splits = [
+        ([scores[i] for i in one], [scores[i] for i in range(7) if i not in one]) for one in combinations(range(7), 3)
+    ]
+    apart = np.array([abs(ttest_ind(*split, equal_var=False).statistic) for split in splits])
     assert test.p == pytest.approx((apart >= apart[1] - 1e-9).mean())  # (0, 1, 3) is the second split
+    assert test.studentized
     assert (test.method, test.draws, test.seed) == ("exact", 0, None)
     assert test.means == pytest.approx((15 / 18, 11 / 24))
     assert test.n == (3, 4)
@@ -39,21 +52,31 @@ def test_scores_are_every_split() -> None:
 
 def test_three_groups_and_missing_answers() -> None:
     choices = answers([6, 6, 5, 1, 0, 1, 3, 2, 3, 4])
-    choices[9] = -1
+    choices.choices[9] = -1
     test = scores_differ(choices, list("aaabbbccca"), seed=3)
     assert test.n == (3, 3, 3)
     assert (test.tiny, MIN_GROUP) == (("a", "b", "c"), 5)
     assert [pair.levels for pair in test.pairs] == [("a", "b"), ("a", "c"), ("b", "c")]
-    # The groups stand as far apart as they can: 3! of 9! / 3!^3 splits; two values are tied across no group.
-    assert test.p == pytest.approx(6 / 1680, abs=0.002)
-    assert (test.method, test.seed) == ("Monte Carlo", 3)
+    # Welch's statistic over all 9! / 3!^3 splits, by definition.
+    scores = np.array([6, 6, 5, 1, 0, 1, 3, 2, 3]) / 6
+    found = []
+    for one in combinations(range(9), 3):
+        left = [i for i in range(9) if i not in one]
+        for two in combinations(left, 3):
+            groups = [scores[list(one)], scores[list(two)], scores[[i for i in left if i not in two]]]
+            weights = np.array([3 / max(group.var(ddof=1), 1e-12) for group in groups])
+            means = np.array([group.mean() for group in groups])
+            found.append((weights * (means - weights @ means / weights.sum()) ** 2).sum())
+    assert len(found) == 1680
+    assert test.p == pytest.approx((np.array(found) >= found[0] * (1 - 1e-9)).mean())
+    assert (test.method, test.draws, test.seed) == ("exact", 0, None)
 
 
 def test_a_group_of_one() -> None:
     test = scores_differ(answers([1, 2, 3, 2, 6]), ["a", "a", "b", "b", "c"])
     # Of the 30 splits, by hand: the spread is largest with 6 alone and {1, 2} against {3, 2}.
     assert test.p == pytest.approx(4 / 30)
-    assert (test.method, test.tiny) == ("exact", ("a", "b", "c"))
+    assert (test.method, test.studentized, test.tiny) == ("exact", False, ("a", "b", "c"))
     assert [np.isnan(pair.bound) for pair in test.pairs] == [False, True, True]
 
 
@@ -63,15 +86,27 @@ def test_many_people_are_drawn() -> None:
     test = scores_differ(answers(scores), group, seed=2)
     assert (test.method, test.draws, test.seed, test.tiny) == ("Monte Carlo", DRAWS, 2, ())
     assert scores_differ(answers(scores), group, seed=2) == test
-    expected = ttest_ind(scores[::2], scores[1::2]).pvalue
+    expected = ttest_ind(scores[::2], scores[1::2], equal_var=False).pvalue
     assert test.p == pytest.approx(expected, abs=0.02)
+
+
+def test_scores_that_vary_differently_are_studentized() -> None:
+    # 12 and 48 people of the same mean; the few vary three times as much. Unstudentized, 5 % would reject far oftener.
+    rng = np.random.default_rng(8)
+    group = ["a"] * 12 + ["b"] * 48
+    p = []
+    for seed in range(60):
+        few, many = rng.choice([0, 6], 12), rng.choice([2, 3, 4], 48, p=[0.2, 0.6, 0.2])
+        p.append(scores_differ(answers([*few, *many]), group, seed).p)
+    assert np.mean(np.array(p) < 0.05) <= 0.05 + 3 * np.sqrt(0.05 * 0.95 / 60)
 
 
 @pytest.mark.parametrize("group", [["a"] * 4, [None] * 4, ["a", "", "a", None]])
 def test_one_group_is_not_compared(group: list) -> None:
     choices = answers([1, 2, 3, 4])
-    assert (scores_differ(choices, group).p, scores_differ(choices, group).pairs) == (1, ())
-    assert all(test.p == 1 and test.pairs == () for test in rates_differ(choices, group))
+    assert np.isnan(scores_differ(choices, group).p)
+    assert scores_differ(choices, group).pairs == ()
+    assert all(np.isnan(test.p) and test.pairs == () for test in rates_differ(choices, group))
 
 
 def test_rates_are_fishers() -> None:
@@ -102,7 +137,8 @@ def test_rates_of_three_groups() -> None:
     expected = sum(way for way in ways.values() if way <= ways[5, 0, 1]) / comb(15, 6)
     assert first.p == pytest.approx(expected, abs=0.005)
     assert (first.method, first.draws, first.seed) == ("Monte Carlo", DRAWS, 4)
-    assert (second.hits, second.p) == ((0, 0, 0), 1)
+    assert second.hits == (0, 0, 0)
+    assert np.isnan(second.p)
     assert first == rates_differ(choices, group, seed=4)[0]
 
 
@@ -113,9 +149,10 @@ def test_groups_of_one_of_which_one_alone_is_right() -> None:
 
 def test_a_group_without_answers_to_a_video() -> None:
     choices = answers([1, 1, 0, 0], videos=2)
-    choices[2:, 0] = -1
+    choices.choices[2:, 0] = -1
     first, second = rates_differ(choices, list("aabb"))
-    assert (first.n, first.p, first.p_holm) == ((2, 0), 1, 1)
+    assert first.n == (2, 0)
+    assert np.isnan([first.p, first.p_holm]).all()
     assert np.isnan(first.pairs[0].difference)
     assert second.n == (2, 2)
 
@@ -199,8 +236,36 @@ def test_three_groups_of_very_many_people() -> None:
     choices = rng.integers(0, 6, (60_000, 6))
     group = rng.choice(["a", "b", "c"], 60_000).tolist()
     choices[:, 0] = np.where((np.array(group) == "a") & (rng.random(60_000) < 0.05), 0, choices[:, 0])
-    tests = rates_differ(choices, group)
-    assert {(test.method, test.draws, test.seed) for test in tests} == {("chi-squared", 0, None)}
+    showings = Showings(choices, np.full_like(choices, -1), np.arange(6), tuple("uvwxyz"), 6, 6)
+    tests = rates_differ(showings, group)
+    assert {(test.method, test.draws, test.seed) for test in tests} == {("Monte Carlo", DRAWS, 0)}
     p = [test.p for test in tests]
-    assert p[0] < 1e-6
-    assert all(0 < other <= 1 for other in p[1:])
+    assert p[0] == 1 / (DRAWS + 1)
+    assert p[1:] == pytest.approx(
+        [chi2_contingency([test.hits, np.subtract(test.n, test.hits)]).pvalue for test in tests[1:]], abs=0.02
+    )
+
+
+def test_several_answers_to_an_emotion_are_permuted_by_participant() -> None:
+    # Two videos of one emotion, answered alike: twice the answers, and no more evidence.
+    hits = np.array([1, 1, 1, 1, 0, 0, 1, 0, 0, 0, 0, 0])
+    choices = np.column_stack([1 - hits, 1 - hits])
+    group = list("aaaaaabbbbbb")
+    both = Showings(choices, np.full_like(choices, -1), np.array([0, 0]), ("v0", "v1"), 2, 1)
+    (test,) = rates_differ(both, group)
+    assert (test.method, test.hits, test.n) == ("permutation", (8, 2), (12, 12))
+    splits = np.array([hits[list(one)].sum() for one in combinations(range(12), 6)])
+    assert test.p == pytest.approx((abs(splits - 2.5) >= 1.5 - 1e-9).mean())
+    once = rate_pair(("a", "b"), (4, 1), (6, 6), worth=(5, 5))  # one participant less, for the rate
+    assert (test.pairs[0].ci_low, test.pairs[0].ci_high) == pytest.approx((once.ci_low, once.ci_high))
+    assert np.isnan(test.pairs[0].bf01)
+
+
+def test_equivalence_needs_a_margin_set_beforehand() -> None:
+    assert rate_pair(("a", "b"), (150, 150), (300, 300)).equivalent is None
+    pair = rate_pair(("a", "b"), (150, 150), (300, 300), margin=0.1)
+    assert (pair.margin, pair.equivalent) == (0.1, True)
+    assert pair.bound < 0.1
+    assert rate_pair(("a", "b"), (15, 15), (30, 30), margin=0.1).equivalent is False
+    scores = np.array([0.2, 0.5, 0.9, 0.4])
+    assert mean_pair(("a", "b"), scores, scores, margin=0.9).equivalent is True

@@ -1,31 +1,33 @@
+from itertools import permutations, product
 from math import comb
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.stats import beta, binomtest
 
 from emovid.responses.responses import EMOTIONS
-from emovid.statistics.circumplex import ANGLES
+from emovid.statistics.circumplex import ANGLES, AROUSAL, VALENCE
+from emovid.statistics.proportions import holm, wilson
 from emovid.statistics.recognition import (
-    AROUSAL,
-    VALENCE,
+    accuracy,
     collapse,
-    holm,
     proportion_index,
-    recognise,
-    unbiased_hit_intervals,
+    recognize,
+    unbiased_chance,
     unbiased_hit_rates,
     verdict,
-    wilson,
 )
+from emovid.statistics.resampling import resampled_counts, unbiased_hit_intervals
+from emovid.statistics.showings import Showings
 from tests.helpers.known import TABLE_III
 
 MATRIX = st.lists(st.lists(st.integers(0, 9), min_size=4, max_size=4), min_size=4, max_size=5).map(np.array)
 
 
 def test_majorities_of_the_paper() -> None:
-    found = recognise(TABLE_III)
+    found = recognize(TABLE_III)
     relative = {"fear", "disgust"}
     assert [r.verdict for r in found] == [
         "relative majority" if emotion in relative else "absolute majority" for emotion in EMOTIONS
@@ -35,14 +37,14 @@ def test_majorities_of_the_paper() -> None:
 
 
 def test_golden_numbers() -> None:
-    (test, *_) = recognise(np.array([[20, 0], [7, 0], [5, 0], [5, 0], [4, 0], [4, 0]]))
+    (test, *_) = recognize(np.array([[20, 0], [7, 0], [5, 0], [5, 0], [4, 0], [4, 0]]))
     assert (test.hits, test.n, test.chance) == (20, 45, pytest.approx(1 / 6))
     assert test.p_binomial == pytest.approx(1.18e-5, rel=0.005)
     assert (test.ci_low, test.ci_high) == pytest.approx((0.309, 0.588), abs=5e-4)
 
 
 def test_the_binomial_sum_by_hand() -> None:
-    (test, *_) = recognise(np.array([[3, 0], [1, 0], [1, 0]]))
+    (test, *_) = recognize(np.array([[3, 0], [1, 0], [1, 0]]))
     tail = sum(comb(5, h) * 2 ** (5 - h) for h in (3, 4, 5)) / 3**5
     assert test.p_binomial == pytest.approx(tail)
 
@@ -56,16 +58,17 @@ def test_holm_by_hand() -> None:
 def test_alpha_decides_after_holm() -> None:
     # 4 of 8 against 1 / 4 has p = 0.114; 5 of 8 has p = 0.027, twice that after Holm.
     counts = np.array([[5, 2], [1, 4], [1, 1], [1, 1]])
-    first, second = recognise(counts)
+    first, second = recognize(counts)
     assert first.p_binomial < 0.05 < first.p_holm
     assert not first.above_chance
-    assert recognise(counts, alpha=0.06)[0].above_chance
+    assert recognize(counts, alpha=0.06)[0].above_chance
     assert second.p_holm == pytest.approx(second.p_binomial)
 
 
 def test_a_video_nobody_saw() -> None:
-    seen, unseen = recognise(np.array([[4, 0], [1, 0]]))
-    assert (unseen.hits, unseen.n, unseen.p_binomial, unseen.p_holm) == (0, 0, 1, 1)
+    seen, unseen = recognize(np.array([[4, 0], [1, 0]]))
+    assert (unseen.hits, unseen.n) == (0, 0)
+    assert np.isnan([unseen.p_binomial, unseen.p_holm, unseen.p_verdict]).all()
     assert (unseen.ci_low, unseen.ci_high, unseen.verdict, unseen.above_chance) == (0, 1, "neither", False)
     assert np.isnan([unseen.rate, unseen.hu, unseen.pi]).all()
     assert seen.p_holm == seen.p_binomial
@@ -98,15 +101,23 @@ def test_a_label_never_given_has_no_unbiased_rate() -> None:
     assert rates[1] == pytest.approx(4**2 / (7 * 4))
 
 
+def intervals_of(choices: np.ndarray, k: int, seed: int = 0) -> np.ndarray:
+    """Return the intervals of answers to one video of each emotion."""
+    videos = choices.shape[1]
+    names = tuple(f"v{j}" for j in range(videos))
+    showings = Showings(choices, np.full_like(choices, -1), np.arange(videos), names, k, videos)
+    return unbiased_hit_intervals(showings, resampled_counts(showings, seed))
+
+
 def test_bootstrap_interval_covers_and_repeats() -> None:
     rng = np.random.default_rng(5)
     columns = [rng.permutation(np.repeat(np.arange(6), TABLE_III[:, j])) for j in range(6)]
     choices = np.array(columns).T
-    intervals = unbiased_hit_intervals(choices, 6, seed=1)
+    intervals = intervals_of(choices, 6, seed=1)
     rates = unbiased_hit_rates(TABLE_III)
     assert ((intervals[:, 0] < rates) & (rates < intervals[:, 1])).all()
-    assert (intervals == unbiased_hit_intervals(choices, 6, seed=1)).all()
-    assert (intervals != unbiased_hit_intervals(choices, 6, seed=2)).any()
+    assert (intervals == intervals_of(choices, 6, seed=1)).all()
+    assert (intervals != intervals_of(choices, 6, seed=2)).any()
 
 
 def test_bootstrap_against_resampling_people_one_by_one() -> None:
@@ -118,14 +129,76 @@ def test_bootstrap_against_resampling_people_one_by_one() -> None:
         counts = np.array([[(again[:, j] == i).sum() for j in range(3)] for i in range(3)])
         samples.append([counts[j, j] ** 2 / counts[j].sum() / counts[:, j].sum() for j in range(3)])
     expected = np.percentile(samples, [2.5, 97.5], axis=0).T
-    assert unbiased_hit_intervals(choices, 3) == pytest.approx(expected, abs=0.03)
+    assert intervals_of(choices, 3) == pytest.approx(expected, abs=0.03)
 
 
 def test_bootstrap_where_nothing_is_defined() -> None:
-    intervals = unbiased_hit_intervals(np.array([[1, 1], [1, -1]]), 2)
+    intervals = intervals_of(np.array([[1, 1], [1, -1]]), 2)
     assert np.isnan(intervals[0]).all()
     assert np.isfinite(intervals[1]).all()
-    assert np.isnan(unbiased_hit_intervals(np.empty((0, 2), dtype=np.int64), 2)).all()
+    assert np.isnan(intervals_of(np.empty((0, 2), dtype=np.int64), 2)).all()
+
+
+def test_answers_that_are_all_right_are_no_certainty() -> None:
+    # Twenty of twenty: Wilson's 95 % interval of the rate ends at 0.84, and so does that of the label's precision.
+    intervals = intervals_of(np.tile(np.arange(3), (20, 1)), 3)
+    assert intervals == pytest.approx(np.tile([wilson(20, 20)[0] ** 2, 1], (3, 1)))
+    assert intervals[0, 0] == pytest.approx(0.704, abs=5e-4)
+
+
+def test_wagners_chance_level() -> None:
+    # The share of the label times that of the video (Wagner 1993): 66 and 45 of 270.
+    assert unbiased_chance(TABLE_III)[3] == pytest.approx(59 / 270 * 45 / 270)
+    assert unbiased_chance(np.full((6, 6), 4)) == pytest.approx(1 / 36)
+    assert recognize(TABLE_III)[3].hu_chance == pytest.approx(unbiased_chance(TABLE_III)[3])
+
+
+def test_bayes_of_the_paper() -> None:
+    fear = recognize(TABLE_III)[3]
+    assert fear.bf10 == pytest.approx(1304, abs=0.5)
+    assert (fear.bayes_low, fear.bayes_high) == pytest.approx(beta.ppf([0.025, 0.975], 1 + 18, 5 + 27))
+
+
+def test_a_majority_is_tested() -> None:
+    found = recognize(TABLE_III)
+    assert found[0].p_verdict == pytest.approx(binomtest(29, 45, 0.5, alternative="greater").pvalue)
+    # Fear: 18 against 12 for disgust, which came next.
+    assert found[3].p_verdict == pytest.approx(binomtest(18, 30, 0.5, alternative="greater").pvalue)
+    assert np.isnan(recognize(np.array([[1, 0], [3, 0], [0, 1]]))[0].p_verdict)
+
+
+def test_several_answers_of_a_participant_are_every_permutation_of_labels() -> None:
+    used = [np.array([[2, 0, 0], [1, 1, 0], [0, 1, 1], [1, 0, 1]])]
+    (test,) = recognize(used[0].sum(axis=0)[:, None], uses=used)
+    every = [list(permutations(row)) for row in used[0].tolist()]
+    hits = np.array([sum(row[0] for row in rows) for rows in product(*every)])
+    assert test.p_binomial == pytest.approx((hits >= 4).mean())
+    assert (test.hits, test.n, test.participants, test.method) == (4, 8, 4, "exact permutation")
+    assert np.isnan([test.bf10, test.bayes_low]).all()
+
+
+def test_one_answer_of_each_participant_is_the_binomial_test() -> None:
+    answers = [0] * 9 + [1] * 5 + [2] * 4
+    used = [np.array([np.bincount([answer], minlength=3) for answer in answers])]
+    (test,) = recognize(used[0].sum(axis=0)[:, None], uses=used)
+    assert repr(test) == repr(recognize(used[0].sum(axis=0)[:, None])[0])
+
+
+def test_repeating_an_answer_is_no_evidence() -> None:
+    used = np.array([np.bincount([answer], minlength=3) for answer in [0] * 9 + [1] * 5 + [2] * 4])
+    (once,) = recognize(used.sum(axis=0)[:, None], uses=[used])
+    (twice,) = recognize(2 * used.sum(axis=0)[:, None], uses=[2 * used])
+    assert twice.p_binomial == pytest.approx(once.p_binomial)
+    assert (twice.ci_low, twice.ci_high) == pytest.approx((once.ci_low, once.ci_high), abs=0.01)
+    assert twice.p_verdict == pytest.approx(once.p_verdict, abs=0.03)
+
+
+def test_accuracy_counts_participants_as_a_whole() -> None:
+    counts = np.diag([10, 10]) + np.array([[0, 5], [5, 0]])
+    known = accuracy(counts, hits=np.array([2] * 10 + [0] * 5), n=np.full(15, 2))
+    assert (known.rate, known.participants) == (pytest.approx(2 / 3), 15)
+    assert (known.ci_low, known.ci_high) == pytest.approx(wilson(10 * 14 / 15, 14), abs=1e-9)
+    assert np.isnan(accuracy(counts).ci_low)
 
 
 @pytest.mark.parametrize("k", range(2, 13))
@@ -169,8 +242,8 @@ def test_poles_are_the_halves_of_the_circle() -> None:
 @given(MATRIX)
 @settings(max_examples=30)
 def test_any_matrix(counts: np.ndarray) -> None:
-    for test in recognise(counts):
-        assert 0 <= test.p_binomial <= test.p_holm <= 1
+    for test in recognize(counts):
+        assert np.isnan(test.p_binomial) if not test.n else 0 <= test.p_binomial <= test.p_holm <= 1
         assert 0 <= test.ci_low <= test.ci_high <= 1
         assert np.isnan(test.hu) or 0 <= test.hu <= test.rate + 1e-12
 
@@ -179,6 +252,6 @@ def test_any_matrix(counts: np.ndarray) -> None:
 @settings(max_examples=25)
 def test_more_hits_are_stronger(n: int, data) -> None:
     hits = data.draw(st.integers(0, n - 1))
-    fewer, more = (recognise(np.array([[h], [n - h], [0]]))[0] for h in (hits, hits + 1))
+    fewer, more = (recognize(np.array([[h], [n - h], [0]]))[0] for h in (hits, hits + 1))
     assert more.p_binomial < fewer.p_binomial
     assert wilson(hits, n) < wilson(hits + 1, n)

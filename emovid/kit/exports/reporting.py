@@ -11,7 +11,7 @@ from emovid.kit.manifest import Manifest
 from emovid.kit.orders import balance_of, sets_of, square_size
 from emovid.kit.study import Study
 from emovid.responses.labels import NONE
-from emovid.statistics.power import plan
+from emovid.statistics.planning import plan
 
 OPEN = "**TO DO**"
 
