@@ -109,8 +109,9 @@ def information(test: Information) -> str:
 @sentence.register
 def cochrans_q(test: VideosDiffer) -> str:
     """Return Cochran's Q, with how many participants it rests on."""
+    rests = f"{test.informative} of {test.total} participants have complete answers with both hits and misses"
     if isnan(test.p):
-        return f"Q undefined: none of {test.participants} participants has both hits and misses"
+        return f"no test: {rests}"
     return f"Q({test.dof}, n = {test.informative}) = {number(test.statistic)}, {p_value(test.p)}"
 
 

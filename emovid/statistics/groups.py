@@ -245,7 +245,8 @@ def _rates_differ(
     """Return the test of one emotion from the hits and answers of each participant."""
     h, m = [int(hits[mine].sum()) for mine in member], [int(n[mine].sum()) for mine in member]
     worth = [effective_n(hits[mine], n[mine]) for mine in member]
-    if (n > 1).any():
+    several = bool((n > 1).any())
+    if several:
         samples = [hits[mine & (n > 0)] / n[mine & (n > 0)] for mine in member]
         samples = [sample for sample in samples if len(sample)]
         undefined = len(samples) < 2 or np.ptp(np.concatenate(samples)) < _NO_SPREAD
@@ -253,7 +254,6 @@ def _rates_differ(
         method = "permutation"
     else:
         p, method, draws = _fisher(np.array(h), np.array(m), seed)
-    pairs = [(a, b) for a, b in combinations(range(len(levels)), 2)]
     return RatesDiffer(
         levels=levels,
         hits=tuple(h),
@@ -264,8 +264,10 @@ def _rates_differ(
         draws=draws,
         seed=seed if draws else None,
         pairs=tuple(
-            rate_pair((levels[a], levels[b]), (h[a], h[b]), (m[a], m[b]), margin, (worth[a], worth[b]))
-            for a, b in pairs
+            rate_pair(
+                (levels[a], levels[b]), (h[a], h[b]), (m[a], m[b]), margin, (worth[a], worth[b]) if several else None
+            )
+            for a, b in combinations(range(len(levels)), 2)
         ),
         tiny=_tiny(levels, [int((mine & (n > 0)).sum()) for mine in member]),
     )
@@ -304,7 +306,7 @@ def rate_pair(
         hits: right answers.
         n: answers.
         margin: of equivalence, as a share.
-        worth: effective numbers of answers, n by default; a Bayes factor needs independent answers.
+        worth: effective numbers of answers, where they are not independent: there is no Bayes factor then.
     """
     if not all(n):
         return Pair(levels, _NAN, _NAN, _NAN, _NAN, _margin(margin), None, _NAN)
@@ -312,7 +314,7 @@ def rate_pair(
     h = (hits[0] * many[0] / n[0], hits[1] * many[1] / n[1])
     low, high = newcombe(h, many)
     bound = max(map(abs, newcombe(h, many, 0.90)))
-    bf01 = rates_bf01(hits, n) if many == n else _NAN
+    bf01 = rates_bf01(hits, n) if worth is None else _NAN
     return Pair(
         levels, hits[0] / n[0] - hits[1] / n[1], low, high, bound, _margin(margin), _within(bound, margin), bf01
     )

@@ -28,6 +28,7 @@ Choices = NDArray[np.int64]
 # p would differ by less than its own error.
 MOST_SHUFFLED = 1_000
 _BATCH = 2_000_000  # shuffled values at once
+_FEWEST_ROWS, _FEWEST_CELLS = 4, 24  # of Cochran's Q
 
 
 @dataclass(frozen=True)
@@ -53,9 +54,11 @@ class VideosDiffer:
     Attributes:
         statistic: Q; NaN where no participant has both hits and misses.
         dof: videos that were shown, less one.
-        p: from the chi-squared distribution; NaN like the statistic.
+        p: from the chi-squared distribution; NaN where too few participants are informative for it: fewer than 4, or
+            fewer than 24 of their answers (M. Tate and S. Brown, JASA 65, 1970).
         participants: with complete answers.
         informative: those of them with both hits and misses, on whom alone the test rests.
+        total: participants, with complete answers or not.
     """
 
     statistic: float
@@ -63,6 +66,7 @@ class VideosDiffer:
     p: float
     participants: int
     informative: int
+    total: int
 
 
 def agreement(choices: Choices, k: int) -> Agreement:
@@ -83,10 +87,12 @@ def videos_differ(choices: Choices, right: NDArray[np.int64] | None = None) -> V
     videos, by_person, by_video = hits.shape[1], hits.sum(axis=1), hits.sum(axis=0)
     dof, mixed = max(videos - 1, 0), int(((by_person > 0) & (by_person < videos)).sum())
     if not mixed:  # Q is 0 / 0: nobody tells the videos apart
-        return VideosDiffer(float("nan"), dof, float("nan"), len(hits), 0)
+        return VideosDiffer(float("nan"), dof, float("nan"), len(hits), 0, len(choices))
     total = by_video.sum()
     q = dof * (videos * (by_video**2).sum() - total**2) / (videos * total - (by_person**2).sum())
-    return VideosDiffer(float(q), dof, float(chdtrc(dof, q)), len(hits), mixed)
+    enough = mixed >= _FEWEST_ROWS and mixed * videos >= _FEWEST_CELLS
+    p = float(chdtrc(dof, q)) if enough else float("nan")
+    return VideosDiffer(float(q), dof, p, len(hits), mixed, len(choices))
 
 
 def _hits(choices: Choices, right: NDArray[np.int64] | None) -> NDArray[np.bool_]:

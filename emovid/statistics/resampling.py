@@ -75,5 +75,7 @@ def information(counts: NDArray[np.int64], samples: NDArray[np.float64] | None, 
     if samples is None or not np.isfinite(bits):
         return Information(bits, float("nan"), float("nan"), most, 0, None)
     found = np.array([mutual_information(sample) for sample in samples])
+    if np.ptp(found) < 1e-9:  # no participant answered unlike the others: the bootstrap sees no error
+        return Information(bits, float("nan"), float("nan"), most, len(samples), seed)
     low, high = np.nanpercentile(found, _ENDS) - 2 * (np.nanmean(found) - bits)
     return Information(bits, float(max(low, 0.0)), float(min(high, most)), most, len(samples), seed)

@@ -63,10 +63,10 @@ def test_proportion_and_binomial() -> None:
 
 
 def test_within_participants() -> None:
-    assert apa.cochrans_q(VideosDiffer(5.0, 5, 0.4159, 40, 1)) == "Q(5, n = 1) = 5.00, p = .416"
+    assert apa.cochrans_q(VideosDiffer(3.3333, 5, 0.6487, 4, 4, 5)) == "Q(5, n = 4) = 3.33, p = .649"
     nan = float("nan")
-    undefined = apa.cochrans_q(VideosDiffer(nan, 5, nan, 4, 0))
-    assert undefined == "Q undefined: none of 4 participants has both hits and misses"
+    undefined = apa.cochrans_q(VideosDiffer(5.0, 5, nan, 4, 1, 40))
+    assert undefined == "no test: 1 of 40 participants have complete answers with both hits and misses"
     assert apa.fleiss_kappa(Agreement(0.2971, 4, 6)) == "Fleiss’ κ = 0.30, n = 4"
     total = TotalRecognition(16, 24, 4.0, 9.3e-7, "exact")
     assert apa.total_recognition(total) == "16/24 right, 4.00 expected, one-sided exact p < .001"
@@ -116,7 +116,7 @@ def test_all_answers_together() -> None:
     matrix = np.diag([10, 10]) + np.array([[0, 5], [5, 0]])
     assert apa.sentence(accuracy(matrix)) == "20/30 (66.7%)"
     known = accuracy(matrix, np.array([2] * 10 + [0] * 5), np.full(15, 2))
-    assert apa.sentence(known) == "20/30 (66.7%, 95% CI [40.3, 85.5])"
+    assert apa.sentence(known) == "20/30 (66.7%, 95% CI [40.9, 85.2])"
     assert apa.sentence(accuracy(0 * matrix)) == "0/0"
     nan = float("nan")
     assert apa.information(Information(0.7492, 0.53, 0.84, 2.585, 2000, 0)) == "0.75 of 2.58 bits, 95% CI [0.53, 0.84]"

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from itertools import permutations, product
 
 import numpy as np
@@ -73,7 +74,7 @@ def test_q_by_hand() -> None:
 def test_missing_answers_leave_kappa_and_q_to_the_complete() -> None:
     more = np.vstack([FOUR, [[0, 1, 2, 3, 4, -1]]])
     assert agreement(more, 6) == agreement(FOUR, 6)
-    assert videos_differ(more) == videos_differ(FOUR)
+    assert replace(videos_differ(more), total=4) == videos_differ(FOUR)
 
 
 def test_a_label_that_has_no_video_leaves_kappa_and_q_as_they_are() -> None:
