@@ -71,7 +71,9 @@ GROUPS = {
             Entry("withdraw", "survey:withdraw", "Delete the data of a participant who withdraws.", "Run"),
             Entry("columns", "analysis:columns", "Show which columns of an export are recognized.", "Analyze"),
             Entry("analyze", "analysis:analyze", "Analyze survey exports: matrix, tests, figures, report.", "Analyze"),
-            Entry("schema", "study_schema:schema", "Print the JSON Schema of study.yaml or of results.json.", "Analyze"),
+            Entry(
+                "schema", "study_schema:schema", "Print the JSON Schema of study.yaml or of results.json.", "Analyze"
+            ),
             Entry("compare", "analysis:compare", "Compare a replication with the original study.", "Analyze"),
         ),
     ),
