@@ -143,7 +143,7 @@ def test_what_one_study_did_not_ask_is_no_number(tmp_path, capsys) -> None:
     assert found["videos"]["fear"]["rates"]["difference"] is None
     assert found["videos"]["anger"]["rates"]["difference"] == pytest.approx(3 / 5 - 4 / 5)
     assert main(["study", "compare", "a.csv", "b.csv"]) == 0
-    assert capsys.readouterr().out.startswith("fear       5/6 and 0/0           no answers to compare\nanger ")
+    assert capsys.readouterr().out.startswith("fear       5/6 and 0/0        no answers to compare\nanger ")
 
 
 def test_studies_of_other_labels_are_not_compared(tmp_path, capsys) -> None:
@@ -154,7 +154,7 @@ def test_studies_of_other_labels_are_not_compared(tmp_path, capsys) -> None:
 
 
 def test_what_cannot_be_used_is_shown_up_to_a_bound(tmp_path, capsys) -> None:
-    rows = "".join(f"p{i},anger,meh\np{i},fear,fear\n" for i in range(203))
+    rows = "".join(f"p{i},anger,meh\np{i},fear,{('fear', 'anger')[i % 2]}\n" for i in range(203))
     (tmp_path / "x.csv").write_text(f"participant,video,response\n{rows}p9,fear\n")
     assert main(["study", "analyze", "x.csv"]) == 0
     said = capsys.readouterr().out
@@ -182,7 +182,7 @@ def test_an_analysis_among_the_exports_is_none_of_them(tmp_path, capsys) -> None
     assert json.loads(capsys.readouterr().out)["n_participants"] == 45
     (exports / "responses.csv").unlink()
     assert main(["study", "analyze", "exports"]) == 2
-    said = "exports: no file here, those of an analysis aside; expected an export of a survey\n"
+    said = "exports: no file here, except those of an analysis; expected an export of a survey\n"
     assert capsys.readouterr().err == said
     assert main(["study", "analyze", "exports/tidy.csv", "--json"]) == 0  # named, it is read
     assert json.loads(capsys.readouterr().out)["n_participants"] == 45

@@ -17,7 +17,8 @@ AUDIT = Path(__file__).parent / "audit"
 
 
 def analyzed(name: str, key: str | None = None, labels: list[str] | None = None, by: list[str] | None = None):
-    found = read_responses([AUDIT / f"{name}.csv"], key=AUDIT / key if key else None, labels=labels, groups=by or [])
+    source, codes = AUDIT / f"{name}.csv", AUDIT / key if key else None
+    found = read_responses([source], codes, AUDIT / "map.yaml", labels, by or [])
     return analyze(found, by or [])
 
 
