@@ -17,7 +17,14 @@ from emovid.figures.control_laws import converged, densities_figure, shapes_figu
 from emovid.figures.interaction import interaction_figure
 from emovid.figures.paper_tables import ATTRIBUTES, BEHAVIOURS, Table, table_html, table_latex, table_markdown
 from emovid.figures.run_cache import Material
-from emovid.figures.runs import descriptors_figure, frames_figure, overhead_figure, perspective_figure, traces_figure
+from emovid.figures.runs import (
+    descriptors_figure,
+    frames_figure,
+    overhead_figure,
+    perspective_figure,
+    traces_figure,
+    with_traces,
+)
 from emovid.figures.study import answers_of, placed_answers_of, recognition_of
 from emovid.figures.style import DOUBLE_COLUMN, FORMATS, SINGLE_COLUMN, encoded
 from emovid.figures.unicycle import (
@@ -100,6 +107,7 @@ _DESCRIPTIONS = {
 }
 _ON_CONTOURS, _COVERAGE = ("happiness", "surprise", "sadness"), ("anger", "disgust", "fear")
 _BOTH_LAWS = ("happiness", "fear")
+_TRACES, _ROBOTARIUM_TRACES = 5, 4  # robots with a trace in the paper's figures
 
 
 def _frames(emotion: str, number: int) -> Entry:
@@ -110,7 +118,7 @@ def _frames(emotion: str, number: int) -> Entry:
         f"Fig. {number}",
         said,
         frames_figure,
-        lambda material: (material.run(emotion), times),
+        lambda material: (with_traces(material.run(emotion), _TRACES), times),
         DOUBLE_COLUMN,
         (emotion,),
     )
@@ -120,7 +128,7 @@ def _robotarium(view: str, number: int, said: str, draw: Callable[..., Figure]) 
     scenes = {emotion: f"robotarium/{emotion}" for emotion in EMOTIONS}
 
     def parts(material: Material) -> Sequence[Any]:
-        runs = {emotion: material.run(scene) for emotion, scene in scenes.items()}
+        runs = {emotion: with_traces(material.run(scene), _ROBOTARIUM_TRACES) for emotion, scene in scenes.items()}
         times = [material.scene(scene).snapshot_times or () for scene in scenes.values()]
         return runs, [of_scene[-1] for of_scene in times]
 
@@ -129,7 +137,7 @@ def _robotarium(view: str, number: int, said: str, draw: Callable[..., Figure]) 
 
 
 def _interaction(material: Material) -> Sequence[Any]:
-    runs = [material.run(emotion) for emotion in _BOTH_LAWS]
+    runs = [with_traces(material.run(emotion), _TRACES) for emotion in _BOTH_LAWS]
     emotions = [EMOTIONS[emotion] for emotion in _BOTH_LAWS]
     return runs, [emotion.snapshot_times[1] for emotion in emotions], [emotion.behaviour for emotion in emotions]
 

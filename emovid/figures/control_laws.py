@@ -89,9 +89,9 @@ def arrows_of(run: Trajectory, t: float) -> Array:
     return np.stack([agents, targets], axis=1)
 
 
-def draw_contour(axes: Axes, contour: Contour, t: float) -> None:
+def draw_contour(axes: Axes, contour: Contour, t: float, colour: str = QUIET) -> None:
     """Draw a contour at the time `t` [s]."""
-    _draw_curve(axes, contour, radius(contour, _TURN, t), QUIET, "contour")
+    _draw_curve(axes, contour, radius(contour, _TURN, t), colour, "contour")
 
 
 def _draw_moment(axes: Axes, contour: Contour, arrows: Array, t: float) -> None:

@@ -1,27 +1,29 @@
 """Figures of runs: snapshots with trails (Figs. 3 to 8), the Robotarium (Figs. 13 and 14), full traces, descriptors."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from math import ceil
+from string import ascii_lowercase
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from emovid.figures.schematic import scale_of
+from emovid.figures.control_laws import draw_contour
 from emovid.figures.stage_panels import (
     LINE,
     columns_of,
-    draw_lines,
     draw_swarm,
     draw_trails,
     perspective_panels,
     print_colours,
     stage_panels,
-    trail_pieces,
     write_above,
     write_below,
 )
 from emovid.figures.style import DOUBLE_COLUMN, EMOTION_COLOURS, FAINT, SINGLE_COLUMN, heading, in_style, settle
+from emovid.scene.behaviour import Coverage
+from emovid.scene.video import Colours
 from emovid.swarm.trajectory import Trajectory
 
 # The authors' own videos, from the captions of their Figs. 13 and 14.
@@ -41,16 +43,32 @@ PERSPECTIVE_VIDEOS = {
     "disgust": "https://youtu.be/py_cUXCkgZM",
     "anger": "https://youtu.be/Thj5s1vQvYA",
 }
-_THIN = 0.5  # width of a trace where all robots leave one [pt]
-_FINE = 0.03  # largest deviation of such a trace from its arcs [pt]
+_THIN = 0.5  # smallest width of a trace where all robots leave one [pt]
+
+
+def with_traces(trajectory: Trajectory, robots: int | None) -> Trajectory:
+    """Return the run with full traces of some robots, all for None, in place of its video's trails.
+
+    Traces have the colours of the theme.
+    """
+    video = trajectory.scene.video
+    trails = {"robots": robots, "seconds": None, "fade": False}
+    shown = {
+        "trails": video.trails.model_copy(update=trails),
+        "colours": video.colours.model_copy(update={"trails": ("theme",) * len(Colours().trails)}),
+    }
+    scene = trajectory.scene.model_copy(update={"video": video.model_copy(update=shown)})
+    return replace(trajectory, scene=scene)
 
 
 @in_style()
 def frames_figure(trajectory: Trajectory, times: Sequence[float], *, width: float = DOUBLE_COLUMN) -> Figure:
-    """Draw the swarm at some times, three in a row, with the trails up to each time.
+    """Draw the swarm at some times, three in a row, with the trails up to each time (Figs. 3 to 8).
+
+    From above, a contour is drawn faintly at t = 0.
 
     Args:
-        trajectory: its scene's `video` gives the view, the robots that leave trails, and the colours.
+        trajectory: its scene's `video` gives the view, the trails, and the colours.
         times: within the run [s].
         width: of the figure [in].
 
@@ -62,10 +80,13 @@ def frames_figure(trajectory: Trajectory, times: Sequence[float], *, width: floa
         figure, panels, camera = perspective_panels(scene, len(times), columns, width, below=LINE)
     else:
         figure, panels = stage_panels(scene.stage, len(times), columns, width, print_colours(scene), below=LINE)
-    for axes, t in zip(panels, times, strict=True):
+    for i, (axes, t) in enumerate(zip(panels, times, strict=True)):
+        if t == 0 and camera is None and not isinstance(scene.behaviour, Coverage):
+            draw_contour(axes, scene.behaviour, t, FAINT)
         draw_trails(axes, trajectory, t, camera)
         draw_swarm(axes, trajectory, t, camera)
-        write_below(axes, f"$t$ = {round(t, 3):g} s")
+        letter = f"({ascii_lowercase[i]}) " if 1 < len(times) <= len(ascii_lowercase) else ""
+        write_below(axes, f"{letter}$t$ = {round(t, 3):g} s")
     return figure
 
 
@@ -81,10 +102,7 @@ def traces_figure(trajectories: Mapping[str, Trajectory], *, width: float = DOUB
     colours, columns = print_colours(scenes[0]), columns_of(len(scenes), width)
     figure, panels = stage_panels(scenes[0].stage, len(scenes), columns, width, colours, above=LINE)
     for axes, (name, run) in zip(panels, trajectories.items(), strict=True):
-        robots, trails = range(run.scene.robots), print_colours(run.scene).trails
-        pieces = trail_pieces(run, robots, 0.0, float(run.t[-1]), _FINE / scale_of(axes))
-        kinds = [trails[i % len(robots) % len(trails)] for i in range(len(pieces))]
-        draw_lines(axes, [piece.line for piece in pieces], kinds, _THIN)
+        draw_trails(axes, with_traces(run, None), float(run.t[-1]), thinnest=_THIN)
         write_above(axes, heading(name))
     return figure
 
@@ -132,7 +150,7 @@ def perspective_figure(
 
 def _label(axes: Axes, emotion: str, videos: Mapping[str, str]) -> None:
     write_above(axes, heading(emotion))
-    write_below(axes, videos[emotion].removeprefix("https://"))
+    write_below(axes, f"authors' video: {videos[emotion].removeprefix('https://')}")
 
 
 # --- descriptors -----------------------------------------------------------------------------------------------------

@@ -1,7 +1,6 @@
 """Panels that show the stage in print, from above or in perspective: stage, trails and robots as vector paths."""
 
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from matplotlib.path import Path
+from matplotlib.typing import ColorType
 
 from emovid.figures.schematic import scale_of
 from emovid.figures.style import POINTS, SINGLE_COLUMN, TEXT
@@ -23,14 +23,14 @@ from emovid.swarm.laws import corners_of
 from emovid.swarm.trajectory import Trajectory
 from emovid.video.cameras import PinholeCamera
 from emovid.video.robots import RobotColours, robot_parts, robot_rim, robot_solids
-from emovid.video.trails import Piece, Trails, piece_times, ribbon, trailed_robots
+from emovid.video.trails import Trails, oldest, ribbon, shades, spans, trailed_robots
 
 LINE = 1.4 * TEXT  # height of a line of text beside a panel [pt]
 PAPER = THEMES["light"].model_copy(update={"stage": "#ffffff", "surround": "#ffffff"})
 
 _MARGIN, _GAP = 1.0, 8.0  # around the panels and between them [pt]
 _EDGE = 0.6  # width of the line around the stage [pt]
-_THINNEST = 0.4  # smallest width of a trail, in the middle of the stage [pt]
+_THINNEST = 0.75  # smallest width of a trail, in the middle of the stage [pt]
 _HALO = 0.4  # width of the light rim that separates a robot from trails below it [pt]
 _FLATNESS = 0.03  # largest deviation of a drawn trail from its arcs [pt]
 _SIDE_MARGIN = 0.01  # around a stage in perspective, over its width in the picture
@@ -129,31 +129,29 @@ def write_above(axes: Axes, text: str) -> None:
     axes.annotate(text, (0.5, 1), xytext=(0, LINE - 2), ha="center", va="top", **_AT)
 
 
-def draw_trails(axes: Axes, trajectory: Trajectory, until: float, camera: PinholeCamera | None = None) -> None:
-    """Draw the trails as they are at the time `until` [s], from above or as a camera sees them."""
-    trails, colours = trajectory.scene.video.trails, print_colours(trajectory.scene).trails
-    since = 0.0 if trails.seconds is None else max(until - trails.seconds, 0.0)
-    robots, point = trailed_robots(trajectory.poses[0], trails.robots), scale_of(axes)
-    tolerance = _FLATNESS / point / (camera.max_scale if camera else 1)
-    pieces = trail_pieces(trajectory, robots.tolist(), since, until, tolerance)
-    kinds = [colours[i % len(robots) % len(colours)] for i in range(len(pieces))]
+def draw_trails(
+    axes: Axes, trajectory: Trajectory, until: float, camera: PinholeCamera | None = None, thinnest: float = _THINNEST
+) -> None:
+    """Draw the trails as they are at the time `until` [s], at least `thinnest` [pt] wide.
+
+    From above, or as a camera sees them.
+    """
+    look, colours, point = trajectory.scene.video.trails, print_colours(trajectory.scene), scale_of(axes)
+    robots = trailed_robots(trajectory.poses[0], look.robots)
+    trails = Trails(trajectory, robots, _FLATNESS / point / (camera.max_scale if camera else 1))
+    faded = shades(colours, len(robots))
+    parts = [(span, trails.pieces(span, oldest(look, until))) for span in spans(look, until)]
+    pieces = [piece for _, made in parts for piece in made]
+    rgba = [tuple(colour) for span, made in parts for colour in faded[span.shade][: len(made)].tolist()]
     if camera is None:
-        draw_lines(axes, [piece.line for piece in pieces], kinds, max(trails.width * point, _THINNEST))
+        draw_lines(axes, [piece.line for piece in pieces], rgba, max(look.width * point, thinnest))
     elif pieces:
-        width = max(trails.width, _THINNEST / point / camera.scale)
+        width = max(look.width, thinnest / point / camera.scale)
         ribbons = [ribbon(camera, piece.line, width, piece.before) for piece in pieces]
-        _fill(axes, [made.path for made in ribbons], np.array([to_rgba(colour) for colour in kinds]), 2)
+        _fill(axes, [made.path for made in ribbons], rgba, 2)
 
 
-def trail_pieces(
-    trajectory: Trajectory, robots: Sequence[int], since: float, until: float, tolerance: float
-) -> list[Piece]:
-    """Return the paths of robots from time `since` to `until` [s] in pieces, as videos draw them: the oldest first."""
-    trails = Trails(trajectory, robots, tolerance)
-    return [piece for start, end in pairwise(piece_times(since, until)) for piece in trails.pieces(start, end, since)]
-
-
-def draw_lines(axes: Axes, lines: Sequence[Array], colours: Sequence[str], width: float) -> None:
+def draw_lines(axes: Axes, lines: Sequence[Array], colours: Sequence[ColorType], width: float) -> None:
     """Draw lines (P, 2) [m] of a width [pt] one over the other, with round ends."""
     if lines:
         drawn = LineCollection(lines, colors=colours, linewidths=width, capstyle="round", joinstyle="round", zorder=2)
@@ -180,7 +178,7 @@ def draw_swarm(axes: Axes, trajectory: Trajectory, t: float, camera: PinholeCame
     else:
         rgba = [np.array(to_rgba(colour)) for colour in (*bodies, colours.wheels, colours.front)]
         solids = robot_solids(camera, scene.robot.body, poses, RobotColours(np.array(rgba[:-2]), *rgba[-2:]))
-        _fill(axes, solids.paths, solids.colours, 3)
+        _fill(axes, solids.paths, list(map(tuple, solids.colours)), 3)
 
 
 def print_colours(scene: Scene) -> Colours:
@@ -190,8 +188,7 @@ def print_colours(scene: Scene) -> Colours:
 
 def body_colours(trajectory: Trajectory) -> list[str]:
     """Return the colour of each robot's body: that of its trail, if it leaves one."""
-    scene = trajectory.scene
-    colours = print_colours(scene)
+    scene, colours = trajectory.scene, print_colours(trajectory.scene)
     bodies = [colours.body] * scene.robots
     for i, robot in enumerate(trailed_robots(trajectory.poses[0], scene.video.trails.robots)):
         bodies[robot] = colours.trails[i % len(colours.trails)]
@@ -208,7 +205,7 @@ def _placed(part: Path, poses: Array) -> list[Path]:
     return turned
 
 
-def _fill(axes: Axes, outlines: Sequence[Path], colours: Array, zorder: float) -> None:
-    drawn = PathCollection(list(outlines), facecolors=list(map(tuple, colours)), edgecolors="none", linewidths=0)
+def _fill(axes: Axes, outlines: Sequence[Path], colours: Sequence[ColorType], zorder: float) -> None:
+    drawn = PathCollection(list(outlines), facecolors=colours, edgecolors="none", linewidths=0)
     drawn.set(snap=False, zorder=zorder)
     axes.add_collection(drawn, autolim=False)

@@ -30,6 +30,7 @@ from emovid.scene.load import scene_digest
 from emovid.scene.model import Scene
 from emovid.scene.robots import Barrier, spacing_of
 from emovid.scene.stage import Stage, StageKeys
+from emovid.scene.video import THEMES
 from emovid.swarm.arrays import Array
 from emovid.swarm.densities import density_of, picture_peaks
 from emovid.swarm.start import start_poses
@@ -114,6 +115,7 @@ _MARGIN = 0.003  # m; beyond that
 _CLOSE, _PARKED_APART = 0.3, 0.45  # m; the simulator 2.x sets robots down with a barrier of 0.25 m, to 0.05 m
 _PARKED_INSIDE = 0.15  # m; from the edges of the arena
 _APPROACH = 60.0  # s
+_TRAILS = 4  # robots with a trail in Fig. 13
 _TEMPLATE = Path(__file__).with_name("robotarium_script.py.in")
 
 
@@ -271,8 +273,11 @@ def _parked(poses: Array, arena: Arena) -> Array:
 
 
 def _trails(scene: Scene, poses: Array) -> str:
-    colours = scene.video.palette.trails
-    robots = trailed_robots(poses, scene.video.trails.robots).tolist()
+    """Return the robots that leave a trail: the scene's if its trails are permanent, else four, as in the paper."""
+    colours, look = scene.video.palette.trails, scene.video.trails
+    if look.seconds is not None:
+        colours, look = THEMES[scene.video.theme].trails, look.model_copy(update={"robots": _TRAILS})
+    robots = trailed_robots(poses, look.robots).tolist()
     listed = ", ".join(f'{robot}: "{colours[i % len(colours)]}"' for i, robot in enumerate(robots))
     return f"TRAILS = {{{listed}}}  # robots that leave one, and their colours"
 

@@ -17,12 +17,14 @@ from emovid.yaml_models import Keys
 MAX_FPS = 240
 MAX_GIF_FPS = 50  # browsers show a faster GIF at 10 frames a second
 MIN_SIDE, MAX_SIDE = 64, 8192  # pixels; H.264 level 6.2 ends at 8192
+MAX_TILT, MAX_DEFAULT_FIELD = 60.0, 120.0  # degrees, of the default camera: beyond, bodies look flat or stretched
 MAX_FIELD_OF_VIEW = 150.0  # degrees; beyond, the edges of a flat picture are stretched fifteen times
 
 FormatName = Literal["mp4", "webm", "gif", "png-sequence"]
 ThemeName = Literal["light", "dark"]
 ViewName = Literal["overhead", "perspective"]
 OwnColour = Annotated[str, Field(pattern=r"^(#[0-9a-fA-F]{6}|theme)$")]
+TrailColour = Annotated[str, Field(pattern=r"^(#[0-9a-fA-F]{6}|theme|body)$")]
 
 
 class CameraKeys(Keys):
@@ -31,7 +33,8 @@ class CameraKeys(Keys):
     height: Length = Field(1.7, description="above the floor [m]; the paper's camera was at 1.70 m")
     distance: Annotated[float, Field(ge=0, le=MAX_LENGTH)] | None = Field(
         None,
-        description="along the floor to the middle of the stage [m]; null: its height from the stage's near edge",
+        description="along the floor to the middle of the stage [m]; null: so that the stage fills the picture, or "
+        "(with a tilt or a field of view) its own height from the near edge",
     )
     tilt: Annotated[float, Field(ge=0, le=90)] | None = Field(
         None,
@@ -43,10 +46,10 @@ class CameraKeys(Keys):
 
 
 class Trails(Keys):
-    """The traces that some robots leave."""
+    """The traces that robots leave."""
 
     robots: Annotated[int, Field(ge=0, le=MAX_ROBOTS)] | None = Field(
-        5, description="number of robots that leave a trail, evenly spread over the swarm at the start; null: all"
+        5, description="number of robots that leave a trail, evenly spread by angle at the start; null: all"
     )
     width: Annotated[float, Field(gt=0, le=1)] = Field(0.004, description="width of the line [m on the stage]")
     seconds: Annotated[float, Field(gt=0, le=MAX_DURATION)] | None = Field(
@@ -106,8 +109,9 @@ class OwnColours(Keys):
     body: OwnColour = Field("theme", description="robots without a trail")
     wheels: OwnColour = Field("theme", description="wheels")
     front: OwnColour = Field("theme", description="the mark that shows a robot's front")
-    trails: Annotated[tuple[OwnColour, ...], Field(strict=False, min_length=1)] = Field(
-        5 * ("theme",), description="trails, and the bodies of the robots that leave them, in turn"
+    trails: Annotated[tuple[TrailColour, ...], Field(strict=False, min_length=1)] = Field(
+        5 * ("theme",),
+        description="trails and the bodies that leave them, in turn; body: the colour of robots without a trail",
     )
     density: OwnColour = Field("theme", description="the density overlay, at the largest density")
     overlay: OwnColour = Field("theme", description="the other overlays: cells, targets and clock")
@@ -115,7 +119,11 @@ class OwnColours(Keys):
     def over(self, theme: Colours) -> Colours:
         """Return all colors: these, and the theme's for the word theme."""
         own = {name: colour for name, colour in self if colour != "theme"}
-        trails = [theme.trails[i % len(theme.trails)] if c == "theme" else c for i, c in enumerate(self.trails)]
+        words = {"body": own.get("body", theme.body)}
+        trails = [
+            theme.trails[i % len(theme.trails)] if colour == "theme" else words.get(colour, colour)
+            for i, colour in enumerate(self.trails)
+        ]
         return theme.model_copy(update=own | {"trails": tuple(trails)})
 
 
@@ -179,13 +187,9 @@ def aim_of(video: Video, stage: Stage, tallest: float) -> Aim:
     """
     camera = video.camera
     left, bottom, right, top = stage.box
-    distance = (top - bottom) / 2 + camera.height if camera.distance is None else camera.distance
+    distance = _default_distance(video, stage, tallest) if camera.distance is None else camera.distance
     x, y, z = (left + right) / 2, (bottom + top) / 2 - distance, camera.height
-    if camera.tilt is None:
-        below = [atan2(z - up, edge - y) for edge in (bottom, top) for up in (0.0, tallest)]
-        tilt = (min(below) + max(below)) / 2
-    else:
-        tilt = radians(camera.tilt)
+    tilt = _default_tilt(y, z, stage, tallest) if camera.tilt is None else radians(camera.tilt)
     if camera.field_of_view is None:
         free = MARGIN * min(video.width, video.height)
         across, along = _extent(x, y, z, tilt, stage, tallest)
@@ -193,6 +197,34 @@ def aim_of(video: Video, stage: Stage, tallest: float) -> Aim:
     else:
         focal = video.width / 2 / tan(radians(camera.field_of_view) / 2)
     return Aim(x, y, z, tilt, focal)
+
+
+def _default_tilt(y: float, z: float, stage: Stage, tallest: float) -> float:
+    """Return the angle below the horizontal of the middle between the stage's near and far edges [rad]."""
+    _, bottom, _, top = stage.box
+    below = [atan2(z - up, edge - y) for edge in (bottom, top) for up in (0.0, tallest)]
+    return (min(below) + max(below)) / 2
+
+
+def _default_distance(video: Video, stage: Stage, tallest: float) -> float:
+    """Return the smallest distance [m] at which the stage fills the width of a picture that is not distorted.
+
+    It is at most the distance at which the camera sees the near edge 45 degrees below the horizontal.
+    """
+    left, bottom, right, top = stage.box
+    height, near, far = video.camera.height, 0.0, (top - bottom) / 2 + video.camera.height
+    if video.camera.tilt is not None or video.camera.field_of_view is not None:
+        return far
+    free = MARGIN * min(video.width, video.height)
+    for _ in range(40):  # to 1e-12 of the interval
+        distance = (near + far) / 2
+        y = (bottom + top) / 2 - distance
+        tilt = _default_tilt(y, height, stage, tallest)
+        across, along = _extent((left + right) / 2, y, height, tilt, stage, tallest)
+        fills = along * (video.width / 2 - free) <= across * (video.height / 2 - free)
+        moderate = tilt <= radians(MAX_TILT) and across <= tan(radians(MAX_DEFAULT_FIELD / 2))
+        near, far = (near, distance) if fills and moderate else (distance, far)
+    return far
 
 
 def view_faults(video: Video, stage: Stage, tallest: float) -> Iterator[tuple[str, str]]:

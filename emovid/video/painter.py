@@ -4,7 +4,6 @@ Everything that never changes is drawn once and kept as the background.
 """
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 from matplotlib.colors import to_rgb, to_rgba
@@ -21,7 +20,7 @@ from emovid.video import overlays
 from emovid.video.cameras import Camera, OverheadCamera, PinholeCamera
 from emovid.video.canvas import Box, Canvas, Layer, Pixels, rgba
 from emovid.video.robots import RobotColours, robot_parts, robot_rim, robot_solids
-from emovid.video.trails import PIECE, SHADES, Piece, Trails, piece_times, ribbon, trailed_robots
+from emovid.video.trails import PIECE, Piece, Span, Trails, oldest, ribbon, shades, spans, trailed_robots
 
 _FLATNESS = 0.1  # largest deviation of a drawn trail from its arcs [pixels]
 _EDGE = 0.1  # width of the line around the stage, over a robot's width
@@ -48,7 +47,7 @@ class Painter:
         self._scene, self._colours = scene, self.video.palette
         self._canvas = Canvas(self.video.width, self.video.height, self._colours.surround)
         trailed = trailed_robots(trajectory.poses[0], self.video.trails.robots)
-        self._shades = self._fading_colours(len(trailed))
+        self._shades = shades(self._colours, len(trailed))
         bodies = np.tile(to_rgba(self._colours.body), (scene.robots, 1))
         bodies[trailed] = self._shades[-1]
         robot_colours = RobotColours(bodies, *rgba([self._colours.wheels, self._colours.front]))
@@ -67,14 +66,15 @@ class Painter:
         """Return the frame (height, width, 4) at time `t` [s]: RGBA, row 0 on top, overwritten by the next call."""
         poses = self._trails.poses(t)
         self._start(t)
-        self._draw_trails(t)
+        for span in spans(self.video.trails, t, self._kept * PIECE):
+            self._draw_pieces(span, oldest(self.video.trails, t))
         if self.video.overlays.cells:
             cells = overlays.cells_of(self._scene.stage, poses[:, :2])
             overlays.draw_cells(self._canvas, self.camera, cells, self._colours.overlay)
-        self._view.draw_robots(self._canvas, poses)
-        if self.video.overlays.targets:
+        if self.video.overlays.targets:  # they lie on the floor, under the robots
             targets = overlays.targets_of(self._scene, poses[:, :2], t)
             overlays.draw_targets(self._canvas, self.camera, poses[:, :2], targets, self._colours)
+        self._view.draw_robots(self._canvas, poses)
         if self.video.overlays.clock:
             overlays.draw_clock(self._canvas, self.camera, t, self._colours.overlay)
         return self._canvas.pixels
@@ -92,32 +92,13 @@ class Painter:
         self._canvas.restore()
         if complete > self._kept:
             for i in range(self._kept, complete):
-                self._draw_pieces(i * PIECE, (i + 1) * PIECE, 0.0)
+                self._draw_pieces(Span(i * PIECE, (i + 1) * PIECE), 0.0)
             self._kept = complete
             self._canvas.keep()
 
-    def _draw_trails(self, t: float) -> None:
-        """Draw the parts of trails that are not in the background."""
-        seconds = self.video.trails.seconds
-        oldest = 0.0 if seconds is None else max(t - seconds, 0.0)
-        if seconds and self.video.trails.fade:
-            for shade, (start, end) in enumerate(pairwise(t - seconds * np.linspace(1, 0, SHADES + 1))):
-                self._draw_pieces(max(start, 0.0), end, oldest, shade)
-        else:
-            for start, end in pairwise(piece_times(max(self._kept * PIECE, oldest), t)):
-                self._draw_pieces(start, end, oldest)
-
-    def _draw_pieces(self, start: float, end: float, oldest: float, shade: int = -1) -> None:
-        if pieces := self._trails.pieces(start, end, oldest):
-            self._view.draw_lines(self._canvas, pieces, self._shades[shade], self.video.trails.width)
-
-    def _fading_colours(self, trails: int) -> Array:
-        """Return the colours of the trails (SHADES, trails, 4), from almost the stage's colour to their own."""
-        colours = self._colours.trails
-        full = np.array([to_rgba(colours[i % len(colours)]) for i in range(trails)]).reshape(-1, 4)
-        share = np.linspace(0, 1, SHADES + 1)[1:, None, None]
-        # Mixed, not translucent: overlaps of two pieces of a trail do not show.
-        return full * share + np.array(to_rgba(self._colours.stage)) * (1 - share)
+    def _draw_pieces(self, span: Span, oldest: float) -> None:
+        if pieces := self._trails.pieces(span, oldest):
+            self._view.draw_lines(self._canvas, pieces, self._shades[span.shade], self.video.trails.width)
 
     def _draw_stage(self) -> None:
         scene, colours = self._scene, self._colours

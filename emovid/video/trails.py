@@ -1,18 +1,21 @@
 """Trails: the robots that leave one, their paths in pieces of time, and lines on the floor in perspective."""
 
-from collections.abc import Sequence
 from functools import lru_cache
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from matplotlib.colors import to_rgba
 from matplotlib.path import Path
 
+from emovid.scene import video
+from emovid.scene.video import Colours
 from emovid.swarm.arrays import Array, Indices, Mask
 from emovid.swarm.trajectory import Trajectory
 from emovid.video.cameras import PinholeCamera
 
-PIECE = 1.0  # seconds of a trail that are drawn at once
-SHADES = 16  # steps in which a trail fades
+PIECE = 1.0  # seconds of a permanent trail that are drawn at once
+_SHADES = 16  # steps in which a trail fades
 _INSTANT = 1e-9  # seconds: sample times nearer than this are equal
 _SMOOTH = 0.1  # turn [rad] up to which pieces share their corners: the error is a thousandth of the width
 _SHORT = 0.2  # length over width: shorter pieces would turn inside out where they share corners
@@ -21,8 +24,21 @@ _OVERLAP = 0.75  # overlap with the line that this one continues [pixels]: witho
 _NOWHERE = 1e-9  # m: length drawn for a line of length 0
 
 
+class Span(NamedTuple):
+    """A part of the time that trails show.
+
+    Attributes:
+        start, end: in the run [s].
+        shade: index into `shades`, from faint to full colour.
+    """
+
+    start: float
+    end: float
+    shade: int = -1
+
+
 class Piece(NamedTuple):
-    """A part of a trail.
+    """A part of one trail.
 
     Attributes:
         line: points (P, 2) [m], P > 1.
@@ -34,8 +50,7 @@ class Piece(NamedTuple):
 
 
 class Trails:
-    """The trails of a run, to be drawn piece by piece, the oldest first: where several robots have passed, each has its
-    own trail behind it.
+    """The trails of a run, to be drawn piece by piece, the oldest first: each robot has its own trail right behind it.
 
     Args:
         trajectory: the run.
@@ -43,22 +58,20 @@ class Trails:
         tolerance: largest deviation of a drawn line from the robots' arcs [m].
     """
 
-    def __init__(self, trajectory: Trajectory, robots: Sequence[int] | Indices, tolerance: float) -> None:
-        self.robots = np.asarray(robots, dtype=np.intp)
-        self._traces = [trajectory.trace(int(robot), tolerance) for robot in self.robots]
+    def __init__(self, trajectory: Trajectory, robots: Indices, tolerance: float) -> None:
+        self.robots = robots
+        self._traces = [trajectory.trace(robot, tolerance) for robot in robots.tolist()]
         # The robots of a frame stand at the ends of trails, and a piece starts where another one ends.
-        self.poses = lru_cache(maxsize=2 * SHADES)(lambda t: trajectory.at(np.array([t]))[0])
+        self.poses = lru_cache(maxsize=2 * _SHADES)(lambda t: trajectory.at(np.array([t]))[0])
 
-    def pieces(self, start: float, end: float, oldest: float = 0.0) -> list[Piece]:
-        """Return the part of each trail from time `start` to `end` [s]; trails begin at the time `oldest` [s]."""
-        if end <= start:
-            return []
-        first_ends, last_ends = (self.poses(t)[self.robots, None, :2] for t in (start, end))
+    def pieces(self, span: Span, oldest: float = 0.0) -> list[Piece]:
+        """Return the part of each trail in a span; trails begin at the time `oldest` [s]."""
+        first_ends, last_ends = (self.poses(t)[self.robots, None, :2] for t in (span.start, span.end))
         made = []
         for (times, points), first_end, last_end in zip(self._traces, first_ends, last_ends, strict=True):
-            first, last = times.searchsorted([start + _INSTANT, end - _INSTANT])
-            earlier = times.searchsorted(start - _INSTANT) - 1
-            before = points[earlier] if start > oldest and earlier >= 0 else None
+            first, last = times.searchsorted([span.start + _INSTANT, span.end - _INSTANT])
+            earlier = times.searchsorted(span.start - _INSTANT) - 1
+            before = points[earlier] if span.start > oldest and earlier >= 0 else None
             made.append(Piece(np.concatenate([first_end, points[first:last], last_end]), before))
         return made
 
@@ -85,10 +98,29 @@ def trailed_robots(start: Array, trails: int | None) -> Indices:
     return np.array(chosen, dtype=np.intp)
 
 
-def piece_times(since: float, until: float) -> list[float]:
-    """Return the times [s] that cut a trail into pieces: both ends, and the multiples of `PIECE` between them."""
-    inner = PIECE * np.arange(np.floor(since / PIECE) + 1, np.ceil(until / PIECE))
-    return [since, *inner.tolist(), until] if until > since else []
+def spans(look: video.Trails, t: float, since: float = 0.0) -> list[Span]:
+    """Return the spans that trails of a look show at the time `t` [s], the oldest first, none before `since` [s]."""
+    if look.seconds and look.fade:
+        cuts = (t - look.seconds * np.linspace(1, 0, _SHADES + 1)).tolist()
+        return [Span(max(start, 0.0), end, i) for i, (start, end) in enumerate(pairwise(cuts)) if end > 0]
+    start = max(since, oldest(look, t))
+    inner = PIECE * np.arange(np.floor(start / PIECE) + 1, np.ceil(t / PIECE))
+    return [Span(*ends) for ends in pairwise([start, *inner.tolist(), t])] if t > start else []
+
+
+def oldest(look: video.Trails, t: float) -> float:
+    """Return the time at which trails of a look begin at the time `t` [s]."""
+    return 0.0 if look.seconds is None else max(t - look.seconds, 0.0)
+
+
+def shades(colours: Colours, count: int) -> Array:
+    """Return the colours of trails (S, count, 4), RGBA from 0 to 1, from almost the stage's colour to their own.
+
+    They are mixed, not translucent: overlaps of two pieces of a trail do not show.
+    """
+    full = np.array([to_rgba(colours.trails[i % len(colours.trails)]) for i in range(count)]).reshape(-1, 4)
+    share = np.linspace(0, 1, _SHADES + 1)[1:, None, None]
+    return full * share + np.array(to_rgba(colours.stage)) * (1 - share)
 
 
 class Ribbon(NamedTuple):

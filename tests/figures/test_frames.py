@@ -7,20 +7,19 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from matplotlib.text import Text
 
-from emovid.figures.runs import frames_figure, traces_figure
-from emovid.figures.stage_panels import trail_pieces
+from emovid.figures.runs import frames_figure, traces_figure, with_traces
 from emovid.figures.style import DOUBLE_COLUMN, SINGLE_COLUMN
 from emovid.scene.video import THEMES
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
-from emovid.video.trails import trailed_robots
+from emovid.video.trails import Span, Trails, spans, trailed_robots
 
 TIMES = (0, 0.7, 2.5)
 
 
 @pytest.fixture(scope="module")
 def run(make_scene) -> Trajectory:
-    return simulate(make_scene("fear", {"duration": 3}))
+    return with_traces(simulate(make_scene("fear", {"duration": 3})), 5)
 
 
 def part(axes: Axes, name: str) -> PathCollection:
@@ -47,7 +46,7 @@ def test_every_robot_is_drawn_where_it_is_and_heads_where_it_does(run) -> None:
         ahead = np.array([front[:3].mean(axis=0) for front in fronts]) - poses[:, :2]
         assert np.arctan2(ahead[:, 1], ahead[:, 0]) == pytest.approx(poses[:, 2])
         assert len(part(axes, "wheels").get_paths()) == len(part(axes, "rim").get_paths()) == 15
-    assert [word for word in words(figure) if word.startswith("$t")] == ["$t$ = 0 s", "$t$ = 0.7 s", "$t$ = 2.5 s"]
+    assert [word for word in words(figure) if "$t$" in word] == ["(a) $t$ = 0 s", "(b) $t$ = 0.7 s", "(c) $t$ = 2.5 s"]
 
 
 def test_five_robots_have_trails_from_their_starts_to_where_they_are(run) -> None:
@@ -63,24 +62,34 @@ def test_five_robots_have_trails_from_their_starts_to_where_they_are(run) -> Non
         assert np.array([line[-1] for line in lines[-5:]]) == pytest.approx(ends)
 
 
+def lines_of(run: Trajectory, robots: list[int], until: float, tolerance: float) -> list[np.ndarray]:
+    """Return the whole trails of robots, of pieces joined."""
+    trails = Trails(run, np.array(robots), tolerance)
+    made = [trails.pieces(span) for span in spans(run.scene.video.trails, until)]
+    return [np.concatenate([piece.line for piece in pieces]) for pieces in zip(*made, strict=True)]
+
+
 def test_pieces_joined_are_the_trace_of_the_robot(run) -> None:
     _, trace = run.trace(4, 1e-5)
-    joined = np.concatenate([piece.line for piece in trail_pieces(run, [4], 0, 3, 1e-5)])
+    joined = lines_of(run, [4], 3, 1e-5)[0]
     assert all(np.abs(joined - point).sum(axis=1).min() < 1e-12 for point in trace)
     length = np.hypot(*np.diff(trace, axis=0).T).sum()
     assert np.hypot(*np.diff(joined, axis=0).T).sum() == pytest.approx(length, rel=1e-3)
-    part_of_it = np.concatenate([piece.line for piece in trail_pieces(run, [4], 0.4, 1.3, 1e-5)])
+    part_of_it = np.concatenate([piece.line for piece in Trails(run, np.array([4]), 1e-5).pieces(Span(0.4, 1.3))])
     assert part_of_it[[0, -1]] == pytest.approx(run.at(np.array([0.4, 1.3]))[:, 4, :2])
 
 
 def test_pieces_hold_no_point_twice(run) -> None:
     # Commands of fear change at whole seconds, where pieces end; the last point but one says where a line comes from.
-    for piece in trail_pieces(run, [0, 7], 0.0, 2.75, 1e-4):
-        assert np.hypot(*np.diff(piece.line, axis=0).T).min() > 1e-9
+    trails = Trails(run, np.array([0, 7]), 1e-4)
+    for span in spans(run.scene.video.trails, 2.75):
+        for piece in trails.pieces(span):
+            assert np.hypot(*np.diff(piece.line, axis=0).T).min() > 1e-9
 
 
 def test_times_are_written_to_the_millisecond(run) -> None:
-    assert words(frames_figure(run, [0, 1 / 3, 2.125])) == ["$t$ = 0 s", "$t$ = 0.333 s", "$t$ = 2.125 s"]
+    assert words(frames_figure(run, [0, 1 / 3, 2.125])) == ["(a) $t$ = 0 s", "(b) $t$ = 0.333 s", "(c) $t$ = 2.125 s"]
+    assert words(frames_figure(run, [0.5])) == ["$t$ = 0.5 s"]
 
 
 def test_robots_have_the_colours_of_their_trails(run) -> None:
@@ -108,9 +117,10 @@ def test_a_dark_stage_is_printed_dark_and_a_light_one_as_white_as_the_paper(make
 
 
 def test_the_scene_says_how_many_robots_leave_trails_and_how_long_these_stay(make_scene) -> None:
-    run = simulate(make_scene("fear", {"duration": 3, "video.trails.robots": 2, "video.trails.seconds": 0.5}))
-    lines = trails(frames_figure(run, [2.75]).axes[0])
-    assert np.array([line[0] for line in lines]) == pytest.approx(run.at(np.array([2.25]))[0, [0, 7], :2])
+    look = {"video.trails.robots": 2, "video.trails.seconds": 0.5, "video.trails.fade": False}
+    run = simulate(make_scene("fear", {"duration": 3} | look))
+    lines, robots = trails(frames_figure(run, [2.75]).axes[0]), trailed_robots(run.poses[0], 2)
+    assert np.array([line[0] for line in lines]) == pytest.approx(run.at(np.array([2.25]))[0, robots, :2])
     none = simulate(make_scene("fear", {"duration": 1, "video.trails.robots": 0}))
     assert trails(frames_figure(none, [1]).axes[0]) == []
 

@@ -13,11 +13,14 @@ from emovid.scene.emotions import EMOTIONS
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
 from emovid.video.cameras import PinholeCamera
+from tests.helpers.stages import TRACES
 
 
 @pytest.fixture(scope="module")
 def run(make_scene) -> Trajectory:
-    return simulate(make_scene("happiness", {"duration": 2.5, "video.view": "perspective", "video.trails.width": 0.01}))
+    return simulate(
+        make_scene("happiness", TRACES | {"duration": 2.5, "video.view": "perspective", "video.trails.width": 0.01})
+    )
 
 
 def camera_of(run: Trajectory) -> PinholeCamera:
@@ -60,7 +63,7 @@ def test_trails_lie_where_the_robots_were_and_nowhere_before_the_start(run) -> N
 
 def test_trails_are_round_at_corners_where_their_slices_meet(make_scene) -> None:
     # Fear turns at each quarter of a second, so at whole ones too, where a slice of its trails ends and another begins.
-    keys = {"duration": 4.0, "video.view": "perspective", "video.trails.width": 0.01, "video.trails.robots": 1}
+    keys = TRACES | {"duration": 4.0, "video.view": "perspective", "video.trails.width": 0.01, "video.trails.robots": 1}
     run = simulate(make_scene("fear", keys))
     trail = filled(frames_figure(run, [4.0]).axes[0], run.scene.video.palette.trails[0])
     around = 0.0049 * np.stack([np.cos(angle := np.linspace(0, 2 * np.pi, 60)), np.sin(angle)], axis=-1)
@@ -76,7 +79,7 @@ def test_the_six_panels_of_the_robotarium_have_emotions_and_videos(run) -> None:
         for axes, emotion in zip(figure.axes, EMOTIONS, strict=True):
             above, below = words(axes)
             assert above.lower() == emotion
-            assert f"https://{below}" == videos[emotion]
+            assert below == f"authors' video: {videos[emotion].removeprefix('https://')}"
     assert len({*OVERHEAD_VIDEOS.values(), *PERSPECTIVE_VIDEOS.values()}) == 12
 
 

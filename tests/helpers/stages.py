@@ -28,3 +28,12 @@ def convex_corners(draw: st.DrawFn, widest: float = 1.0, narrowest: float = 0.1)
     turn, x, y = draw(st.floats(0, 2 * np.pi)), draw(st.floats(-1, 1)), draw(st.floats(-1, 1))
     ring = np.exp(1j * turn) * (long * np.cos(angles) + 1j * short * np.sin(angles)) + (x + 1j * y)
     return [(point.real, point.imag) for point in ring]
+
+
+# Permanent trails of five robots in the colours of the theme, as figures show them and videos did at first.
+TRACES = {
+    "video.trails.robots": 5,
+    "video.trails.seconds": None,
+    "video.trails.fade": False,
+    "video.colours.trails": 5 * ["theme"],
+}

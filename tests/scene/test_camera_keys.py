@@ -22,8 +22,22 @@ def test_defaults_see_every_stage(stage) -> None:
     assert faults(stage, 0.1) == []
     aim = aim_of(video(), stage, 0.1)
     assert aim.z == 1.7
-    assert -aim.y == pytest.approx(stage.height / 2 + 1.7)  # its near edge is seen at 45 degrees
-    assert aim.tilt < radians(45)
+    assert stage.height / 2 < -aim.y < stage.height / 2 + 1.7  # nearer than where the near edge is seen at 45 degrees
+    assert radians(45) < aim.tilt <= radians(60) + 1e-9
+
+
+@pytest.mark.parametrize("keys", [{"tilt": 30.0}, {"field_of_view": 100.0}])
+def test_with_a_tilt_or_a_field_of_view_the_camera_sees_the_near_edge_at_45_degrees(keys) -> None:
+    assert -aim_of(video(**keys), ROBOTARIUM, 0.1).y == pytest.approx(1.8 + 1.7)
+
+
+@pytest.mark.parametrize("height", [0.15, 0.5, 1.0, 4.0])
+@pytest.mark.parametrize("stage", [GRITSBOTS, ROBOTARIUM, Rectangle(width=0.3, height=2.0)])
+def test_the_default_camera_is_no_farther_than_its_height_from_the_near_edge_and_sees_the_stage(stage, height) -> None:
+    distance = -aim_of(video(height=height), stage, 0.03).y
+    assert 0 < distance <= stage.height / 2 + height
+    before = faults(stage, height=height, distance=stage.height / 2 + height)
+    assert before or faults(stage, height=height) == []
 
 
 def test_a_field_of_view_is_across_the_width() -> None:

@@ -15,8 +15,7 @@ from emovid.swarm.trajectory import Trajectory
 from emovid.video.overlays import targets_of
 from emovid.video.painter import Painter
 from emovid.video.robots import robot_parts, robot_rim
-from emovid.video.trails import trailed_robots
-from tests.helpers.stages import HEXAGON, THIN, TRIANGLE, keys_of
+from tests.helpers.stages import HEXAGON, THIN, TRACES, TRIANGLE, keys_of
 
 BACK = np.array([0xFA, 0xFA, 0xF7])
 
@@ -24,7 +23,12 @@ BACK = np.array([0xFA, 0xFA, 0xF7])
 def parked(make_scene, poses: list[tuple[float, float, float]], **keys: object) -> Trajectory:
     """Return a run in which robots stand at the poses."""
     listed = [dict(zip(("x", "y", "heading"), pose, strict=True)) for pose in poses]
-    base = {"robots": len(poses), "start": {"place": "poses", "poses": listed}, "duration": 2, "control_period": 2.0}
+    base = TRACES | {
+        "robots": len(poses),
+        "start": {"place": "poses", "poses": listed},
+        "duration": 2,
+        "control_period": 2.0,
+    }
     scene = make_scene("fear", base | {"video.size": "640x480"} | keys)
     still = np.zeros((1, len(poses), 2))
     cut = np.zeros((1, len(poses)), dtype=bool)
@@ -179,7 +183,7 @@ def test_a_frame_does_not_depend_on_those_before(emotion) -> None:
 
 
 def test_trails_pass_through_where_their_robots_were(make_scene) -> None:
-    run = simulate(make_scene("happiness", {"video.trails.robots": 1, "duration": 4}))
+    run = simulate(make_scene("happiness", TRACES | {"video.trails.robots": 1, "duration": 4}))
     painter = Painter(run)
     frame = painter.frame(4.0)
     blue = np.array([0x16, 0x84, 0xEA])
@@ -192,7 +196,7 @@ def test_trails_pass_through_where_their_robots_were(make_scene) -> None:
 
 
 def test_a_trail_can_fade_from_memory(make_scene) -> None:
-    keys = {"video.trails.robots": 1, "duration": 5, "video.trails.seconds": 1.5}
+    keys = TRACES | {"video.trails.robots": 1, "duration": 5, "video.trails.seconds": 1.5}
     run = simulate(make_scene("happiness", keys))
     frame = Painter(run).frame(5.0)
     long = Painter(
@@ -203,7 +207,7 @@ def test_a_trail_can_fade_from_memory(make_scene) -> None:
 
 
 def test_no_robot_has_a_trail_at_the_start(make_scene) -> None:
-    shown = Painter(simulate(make_scene("anger", {"duration": 1}))).frame(0.0)
+    shown = Painter(simulate(make_scene("anger", TRACES | {"duration": 1}))).frame(0.0)
     none = Painter(
         simulate(make_scene("anger", {"duration": 1, "video.trails.robots": 0, "video.colours.body": "#1684ea"}))
     )
@@ -214,6 +218,7 @@ def test_no_robot_has_a_trail_at_the_start(make_scene) -> None:
 def test_a_trail_fades_towards_its_old_end(make_scene) -> None:
     # On one line: the older, the nearer to the stage's colour.
     keys = {"video.trails.robots": None, "video.trails.seconds": 2.0, "video.trails.fade": True, "duration": 3}
+    keys = TRACES | keys
     run = simulate(make_scene("sadness", keys | {"robots": 1, "behaviour.angular_rate": 1.0}))
     painter = Painter(run)
     frame = ink(painter.frame(3.0))
@@ -417,7 +422,13 @@ def test_trails_differ_for_colour_blind_eyes(deficiency, theme) -> None:
 
 
 def test_shipped_scenes_have_the_tested_colours() -> None:
-    assert all(load_scene(emotion).video.palette == Colours() == THEMES["light"] for emotion in EMOTIONS)
+    for emotion in EMOTIONS:
+        colours = load_scene(emotion).video.palette
+        assert (
+            colours
+            == Colours().model_copy(update={"trails": (colours.body,)})
+            == THEMES["light"].model_copy(update={"trails": (colours.body,)})
+        )
 
 
 def test_a_scene_s_own_colours_come_before_the_theme_s(make_scene) -> None:

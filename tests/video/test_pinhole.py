@@ -72,11 +72,17 @@ def test_turns_are_the_derivative_of_the_pixels(camera, place) -> None:
 
 def test_the_robotarium_camera_is_170_cm_up_and_sees_the_whole_arena() -> None:
     camera = framing()
-    assert camera.aim[:3] == (0.0, -3.5, 1.7)  # the nearest edge is 1.70 m away along the floor
+    assert (camera.aim.x, camera.aim.z) == (0.0, 1.7)
     seen = camera.project(np.array([[x, y, up] for x, y in ROBOTARIUM.outline for up in (0.0, 0.1)]))
     assert [seen[:, 0].min(), 1280 - seen[:, 0].max()] == pytest.approx([0.035 * 720] * 2)
     assert seen[:, 1].min() + seen[:, 1].max() == pytest.approx(720)  # as much free above as below
-    assert seen[:, 1].min() > 100
+    assert seen[:, 1].min() < 110  # most of the height, too
+
+
+@pytest.mark.parametrize(("stage", "share"), [(ROBOTARIUM, 0.45), (Rectangle(width=1.2, height=0.8), 0.7)])
+def test_the_stage_covers_much_of_the_frame(stage, share) -> None:
+    x, y = framing(stage).pixels(np.array(stage.outline)).T
+    assert abs(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) / 2 > share * 1280 * 720
 
 
 @pytest.mark.parametrize("size", ["1280x720", "720x1280", "640x640"])
