@@ -368,8 +368,9 @@ def test_quiet_says_nothing(capsys) -> None:
                                         "video.overlays.cells?)"),
         (["sadness", "--overlay", "density"], "--overlay density: video.overlays.density: true: a contour behaviour "
                                               "has no density to show"),
-        (["fear", "--set", "video.trails.fade=true"], "--set video.trails.fade=true: video.trails.fade: true: a trail "
-                                                      "that stays for ever cannot fade; expected a number for seconds"),
+        (["fear", "--set", "video.trails.seconds=null", "--set", "video.trails.fade=true"],
+         "--set video.trails.fade=true: video.trails.fade: true: a trail that stays for ever cannot fade; expected a "
+         "number for seconds"),
         (["nothing.npz"], "nothing.npz: cannot be read: no such file or directory"),
         (["fear", "--set", "robot.k=2"], "--set robot.k=2: robot.k: unknown key (did you mean robot.K?)"),
         (["fear", "--set", "robot.K"], "--set robot.K: expected KEY=VALUE, as in robot.l=0.002"),

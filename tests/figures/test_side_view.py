@@ -18,9 +18,8 @@ from tests.helpers.stages import TRACES
 
 @pytest.fixture(scope="module")
 def run(make_scene) -> Trajectory:
-    return simulate(
-        make_scene("happiness", TRACES | {"duration": 2.5, "video.view": "perspective", "video.trails.width": 0.01})
-    )
+    keys = {"duration": 2.5, "video.view": "perspective", "video.trails.width": 0.01, "video.camera.distance": 2.1}
+    return simulate(make_scene("happiness", TRACES | keys))
 
 
 def camera_of(run: Trajectory) -> PinholeCamera:

@@ -35,7 +35,8 @@ def test_scene_is_of_the_papers_robots(name: str) -> None:
     assert scene.robot.limits == scene.robot.body.limits
     assert (scene.stage.width, scene.stage.height) == ARENAS[platform]
     assert isinstance(scene.safety, Barrier)
-    assert scene.video.trails.robots == 4
+    trails = scene.video.trails
+    assert (trails.robots, trails.seconds, trails.fade) == (None, 2, True)
     assert scene.snapshots == tuple(TIMES[platform] * t for t in EMOTIONS[emotion].snapshot_times)
     assert scene.duration == 15 * TIMES[platform]
     assert type(scene.behaviour) is type(load_scene(emotion).behaviour)

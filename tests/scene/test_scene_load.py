@@ -188,6 +188,8 @@ def another(key, value):
         return words[name]
     if name == "emotion":
         return None
+    if value is None:
+        return 3
     if isinstance(value, bool):
         return not value
     if isinstance(value, str):

@@ -15,6 +15,7 @@ from emovid.swarm.trajectory import Trajectory
 from emovid.video.overlays import targets_of
 from emovid.video.painter import Painter
 from emovid.video.robots import robot_parts, robot_rim
+from emovid.video.trails import trailed_robots
 from tests.helpers.stages import HEXAGON, THIN, TRACES, TRIANGLE, keys_of
 
 BACK = np.array([0xFA, 0xFA, 0xF7])
@@ -426,11 +427,17 @@ def test_shipped_scenes_have_the_tested_colours() -> None:
         colours = load_scene(emotion).video.palette
         assert (
             colours
-            == Colours().model_copy(update={"trails": (colours.body,)})
-            == THEMES["light"].model_copy(update={"trails": (colours.body,)})
+            == Colours().model_copy(update={"trails": 5 * (colours.body,)})
+            == THEMES["light"].model_copy(update={"trails": 5 * (colours.body,)})
         )
 
 
+def test_trails_can_have_the_colour_of_bodies(make_scene) -> None:
+    own = make_scene("fear", {"video.theme": "dark", "video.colours.body": "#123456"}).video
+    assert own.palette.trails == 5 * ("#123456",)
+    assert make_scene("fear", {"video.theme": "dark"}).video.palette.trails == 5 * (THEMES["dark"].body,)
+
+
 def test_a_scene_s_own_colours_come_before_the_theme_s(make_scene) -> None:
-    video = make_scene("fear", {"video.theme": "dark", "video.colours.body": "#123456"}).video
+    video = make_scene("fear", TRACES | {"video.theme": "dark", "video.colours.body": "#123456"}).video
     assert video.palette == THEMES["dark"].model_copy(update={"body": "#123456"})

@@ -12,7 +12,7 @@ from emovid.video.painter import Painter
 from emovid.video.pixel_formats import Yuv420
 from emovid.video.render import frames_checksum
 from tests.helpers.reference import hits_of_rays, inside, whole_frame
-from tests.helpers.stages import HEXAGON, keys_of
+from tests.helpers.stages import HEXAGON, TRACES, keys_of
 
 SIDE = {"video.view": "perspective"}
 LOOKS = {
@@ -43,7 +43,8 @@ def test_robots_hide_each_other_as_rays_say(make_scene) -> None:
         (0.12, 0.2, 2.0),
         (0.4, 0.3, 3),
     ]
-    keys = {"robot.model": box, "video.trails.robots": None, "video.trails.width": 1e-6, "video.camera.height": 0.6}
+    keys = {"robot.model": box, "video.trails.robots": None, "video.trails.width": 1e-6}
+    keys |= {"video.camera.height": 0.6, "video.camera.distance": 1.0}
     shades = [f"#{220 - 20 * i:02x}{100 + 20 * i:02x}60" for i in range(6)]
     painter = Painter(parked(make_scene, poses, **keys, **{"video.colours.trails": shades}))
     frame = painter.frame(0.0)[..., :3].astype(int)
@@ -119,7 +120,7 @@ def test_little_of_a_frame_is_drawn_anew(make_scene) -> None:
 
 
 def test_trails_lie_on_the_floor_where_the_robots_were(make_scene) -> None:
-    keys = SIDE | {"video.trails.robots": 1, "duration": 4, "video.trails.width": 0.01, "robots": 2}
+    keys = TRACES | SIDE | {"video.trails.robots": 1, "duration": 4, "video.trails.width": 0.01, "robots": 2}
     run = simulate(make_scene("happiness", keys))
     painter = Painter(run)
     frame = painter.frame(4.0)[..., :3].astype(int)
@@ -162,7 +163,8 @@ def test_the_density_tints_the_floor_up_to_the_edge_of_the_stage(make_scene, the
 
 def test_targets_are_discs_that_lie_on_the_floor(make_scene) -> None:
     keys = {"video.overlays.targets": True, "video.colours.overlay": "#ff0000", "duration": 1, "robots": 1}
-    keys |= {"video.camera.height": 0.4, "video.size": "1920x1080", "behaviour.separation": None}
+    keys |= {"video.camera.height": 0.4, "video.camera.distance": 0.8, "video.size": "1920x1080"}
+    keys |= {"behaviour.separation": None}
     keys |= {"start": {"place": "poses", "poses": [{"x": 0.55, "y": 0.35}]}}  # far from its target, the middle
     painter = Painter(simulate(make_scene("fear", SIDE | keys)))
     frame = painter.frame(0.0)[..., :3].astype(int)
