@@ -1,5 +1,6 @@
 """Emotions expressed by a robot swarm: scenes, their simulation and videos, and studies of what people see in them."""
 
+import time
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +28,8 @@ __all__ = [
     "simulate",
     "to_dataframe",
 ]
+
+IMPORTED_AT = time.time_ns()  # a module that was edited later may differ from the code in memory
 
 _HOMES = {
     "EmovidError": "emovid.errors",

@@ -1,17 +1,25 @@
 """Results are kept and made only if they are missing or out of date: which jobs are up to date, and making the rest."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import closing, contextmanager
+import os
+import shutil
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager, suppress
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
-from emovid.atomic_io import clear_leftovers, file_digest, make_folder
+from emovid.atomic_io import clear_leftovers, file_digest, make_folder, not_written, owner, whole_file, whole_folder
 from emovid.batch.cluster import connected
-from emovid.batch.job import Job, Record, make
+from emovid.batch.job import Delivery, Job, Order, Record, descriptors_digest, fulfil
 from emovid.batch.manifest import Journal, read_manifest
-from emovid.batch.scheduler import OnProgress, Pool, run
+from emovid.batch.scheduler import Pool, run
+from emovid.batch.versions import RecordKind, differences
 from emovid.batch.workers import InProcess, Processes
 from emovid.errors import EmovidError
+from emovid.video.encoder import check_sequence
+
+OnAdvance = Callable[[Job, int, int], None]  # receives a job, its steps done and their total
 
 
 class Reporter(Protocol):
@@ -23,28 +31,43 @@ class Reporter(Protocol):
     def finished(self, job: Job, record: Record, *, made: bool) -> None:
         """A job's result exists: it was made now, or was up to date."""
 
-    def failed(self, job: Job) -> None:
-        """A job failed; the errors are returned together with the other results."""
+    def failed(self, job: Job, error: EmovidError) -> None:
+        """A job failed."""
 
     def died(self, job: Job, attempt: int) -> None:
         """The worker of a job died in attempt number `attempt`; the job is tried again."""
 
+    def noted(self, line: str) -> None:
+        """Something about the workers that the user should know."""
 
-class Made(NamedTuple):
-    """Outcome of jobs by target: the records of those that were made, and the errors of the others."""
 
-    records: dict[Path, Record]
-    failures: dict[Path, EmovidError]
+@dataclass
+class Made:
+    """Outcome of jobs by target.
+
+    Attributes:
+        records: of the jobs that were made.
+        elsewhere: records of the jobs that another run into the folder made meanwhile.
+        failures: errors of the others.
+    """
+
+    records: dict[Path, Record] = field(default_factory=dict)
+    elsewhere: dict[Path, Record] = field(default_factory=dict)
+    failures: dict[Path, EmovidError] = field(default_factory=dict)
 
 
 def find_current(jobs: Sequence[Job], reporter: Reporter) -> dict[Path, Record]:
-    """Return the records, by target, of the jobs whose results exist and are up to date; write nothing."""
+    """Return the records, by target, of the jobs whose results exist and are up to date.
+
+    Their files get the date of now, so that `make` and similar tools do not ask for them again.
+    """
     manifests = {folder: read_manifest(folder) for folder in {job.target.parent for job in jobs}}
     records = {}
     for job in jobs:
         record = manifests[job.target.parent].get(job.target.name)
         if record and is_current(record, job):
             records[job.target] = record
+            touch(job.target)
             reporter.finished(job, record, made=False)
     return records
 
@@ -53,68 +76,177 @@ def is_current(record: Record, job: Job) -> bool:
     """Return whether a record is of a job's recipe, and its file exists and is unchanged."""
     if record.recipe != job.recipe:
         return False
-    return not record.has_file or (job.target.exists() and file_digest(job.target) == record.sha256)
+    if not record.has_file:
+        return record.sha256 == descriptors_digest(record)
+    return job.target.exists() and file_digest(job.target) == record.sha256
+
+
+def touch(file: Path) -> None:
+    """Give an existing file the date of now, where this is allowed."""
+    with suppress(OSError):
+        os.utime(file)
 
 
 def make_missing(jobs: Sequence[Job], reporter: Reporter, pool: Pool) -> Made:
-    """Make the results of jobs, and record each one when it is done.
+    """Make the results of jobs in one folder, which is made if it is missing, and record each one when it is done.
 
     Args:
-        jobs: with targets in one folder, which is made if it is missing.
+        jobs: with targets in one folder.
         reporter: receives the progress.
         pool: does the work, see `workers`.
 
     Raises:
         EmovidError: if nothing can be recorded; errors of single jobs are returned.
     """
-    made = Made({}, {})
-    if not jobs:
-        return made
-    folder = jobs[0].target.parent
-    make_folder(folder)
-    clear_leftovers(folder)
-    with Journal(folder) as journal:
-        for job, outcome in run(make, jobs, pool, reporter.died):
-            if error := _error(job, outcome):
-                made.failures[job.target] = error
-                reporter.failed(job)
-                continue
-            journal.add(job.target.name, outcome)
-            made.records[job.target] = outcome
-            reporter.finished(job, outcome, made=True)
-    clear_leftovers(folder)
+    made = Made()
+    if jobs:
+        folder = jobs[0].target.parent
+        make_folder(folder)
+        with Journal(folder) as journal:
+            make_jobs(jobs, journal, reporter, pool, made)
     return made
 
 
+def make_jobs(jobs: Iterable[Job], journal: Journal, reporter: Reporter, pool: Pool, made: Made) -> None:
+    """Make the results of jobs in a journal's folder; raises as `make_missing`.
+
+    Workers write to a folder of this run, or send their results; this process compares digests and puts each result in
+    its place. Parallel runs into the folder share the jobs.
+
+    Args:
+        jobs: are taken one by one when a worker is free.
+        journal: receives the records.
+        reporter: receives the progress.
+        pool: does the work, see `workers`.
+        made: is updated; after an interruption it tells what was made.
+    """
+    folder = journal.folder
+    clear_leftovers(folder)
+    with _staging(folder) as staging:
+        orders = _orders(jobs, journal, reporter, made, None if pool.is_remote else staging)
+        for order, outcome in run(fulfil, orders, pool, lambda order, attempt: reporter.died(order.job, attempt)):
+            job: Job = order.job
+            try:
+                record = _placed(job, outcome, staging / job.target.name)
+            except EmovidError as error:
+                made.failures[job.target] = error
+                reporter.failed(job, error)
+                continue
+            journal.add(job.target.name, record)
+            made.records[job.target] = record
+            reporter.finished(job, record, made=True)
+    clear_leftovers(folder)
+
+
 @contextmanager
-def workers(processes: int, on_progress: OnProgress = lambda *_: None, scheduler: str | None = None) -> Iterator[Pool]:
+def workers(
+    processes: int,
+    on_progress: OnAdvance = lambda *_: None,
+    scheduler: str | None = None,
+    only: RecordKind = "video",
+    note: Callable[[str], None] = lambda _: None,
+    wait: float | None = None,
+) -> Iterator[Pool]:
     """Give a pool of workers: a Dask cluster, several processes, or this process alone.
 
     Args:
         processes: number of items to work on at once, without a cluster.
-        on_progress: receives the progress of items, where the pool knows it.
+        on_progress: receives the progress of jobs, where the pool knows it.
         scheduler: address of a Dask scheduler.
+        only: kind of the results, for a cluster.
+        note: receives lines about the workers of a cluster.
+        wait: seconds to wait for a worker of the cluster; None for no limit.
     """
+
+    def advanced(item: object, done: int, total: int) -> None:
+        if isinstance(item, Order):
+            on_progress(item.job, done, total)
+
     if scheduler:
-        with connected(scheduler) as cluster:
+        with connected(scheduler, only, note, wait) as cluster:
             yield cluster
     elif processes > 1:
-        with closing(Processes(processes, on_progress)) as pool:
+        with closing(Processes(processes, advanced)) as pool:
             yield pool
     else:
-        yield InProcess(on_progress)
+        yield InProcess(advanced)
 
 
-def _error(job: Job, outcome: Record | EmovidError) -> EmovidError | None:
-    """Return the error of a job, naming its target; None for a result that can be used."""
+def _orders(
+    jobs: Iterable[Job], journal: Journal, reporter: Reporter, made: Made, staging: Path | None
+) -> Iterator[Order | None]:
+    """Yield an order for each job that no other run is making or has made; None while only such jobs are left."""
+    before = dict(journal.records)
+    deferred: deque[Job] = deque()
+
+    def order(job: Job) -> Order | None:
+        name = job.target.name
+        if name in journal.claimed_elsewhere():
+            deferred.append(job)
+            return None
+        record = journal.records.get(name)
+        if record and record != before.get(name) and is_current(record, job):
+            made.elsewhere[job.target] = record
+            reporter.finished(job, record, made=False)
+            return None
+        journal.claim(name)
+        return Order(job, job.recipe.versions, staging)
+
+    for job in jobs:
+        if found := order(job):
+            yield found
+    while deferred:
+        for _ in range(len(deferred)):
+            if found := order(deferred.popleft()):
+                yield found
+        yield None
+
+
+@contextmanager
+def _staging(folder: Path) -> Iterator[Path]:
+    """Give a hidden folder for the results of this run that are not in their places yet."""
+    staging = folder / f".results.{owner()}.part"
+    shutil.rmtree(staging, ignore_errors=True)
+    make_folder(staging)
+    try:
+        yield staging
+    finally:
+        shutil.rmtree(staging, ignore_errors=True)
+
+
+def _placed(job: Job, outcome: Delivery | EmovidError, staged: Path) -> Record:
+    """Compare a delivered result with its record, put it in its place, and return the record.
+
+    Raises:
+        EmovidError: why there is no result, naming the target.
+    """
     if isinstance(outcome, EmovidError):
-        named = str(job.target) in str(outcome)
-        return outcome if named else EmovidError(f"{job.target}: {outcome}")
-    if outcome.recipe != job.recipe:
-        there, here = outcome.recipe.versions, job.recipe.versions
-        differ = [name for name in here if there.get(name) != here[name]]
-        other = "; ".join(f"{name} {there.get(name)}, here {here[name]}" for name in differ)
-        return EmovidError(f"{job.target}: its worker has other versions: {other}")
-    if outcome.has_file and not job.target.exists():
-        return EmovidError(f"{job.target}: made, but not here: workers must share the output folder")
-    return None
+        raise outcome if str(job.target) in str(outcome) else EmovidError(f"{job.target}: {outcome}")
+    record, recipe = outcome.record, job.recipe
+    if record.recipe != recipe:
+        other = differences(record.recipe.versions, recipe.versions) or "another recipe"
+        raise EmovidError(f"{job.target}: its worker has other versions: {other}")
+    try:
+        if outcome.content is not None:
+            _write(outcome.content, staged)
+        digest = file_digest(staged) if record.has_file else descriptors_digest(record)
+        if digest != record.sha256:
+            raise EmovidError(f"{job.target}: not what its worker recorded: it was damaged on its way")
+        if not record.has_file:
+            return record
+        if staged.is_dir():
+            check_sequence(job.target)
+        with (whole_folder if staged.is_dir() else whole_file)(job.target) as part:
+            staged.rename(part)
+    except OSError as error:
+        raise not_written(job.target, error) from None
+    return record
+
+
+def _write(content: Mapping[str, bytes], staged: Path) -> None:
+    if "" in content:
+        staged.write_bytes(content[""])
+        return
+    staged.mkdir()
+    for name, data in content.items():
+        (staged / name).write_bytes(data)

@@ -1,26 +1,29 @@
 """Checks of a folder of results: what is missing, stale or corrupt, and what differs when it is made again."""
 
+import json
 import tempfile
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Literal, NamedTuple
 
 from pydantic import ValidationError
 
 from emovid.atomic_io import file_digest
-from emovid.batch.job import Job, Record, make, versions
-from emovid.batch.manifest import NAME, Records, read_manifest
-from emovid.batch.results import PLAN
+from emovid.batch.job import Job, Record, descriptors_digest, make
+from emovid.batch.manifest import NAME, PLAN, Records, has_journals, read_manifest
+from emovid.batch.results import TABLE, same_parquet, table_of
 from emovid.batch.scheduler import OnStep, Pool, run
-from emovid.batch.sweep import items
+from emovid.batch.sweep import Items
 from emovid.batch.sweep_file import read_sweep
+from emovid.batch.versions import versions
 from emovid.errors import EmovidError, InputError
 from emovid.scene.model import Scene
 from emovid.swarm.simulate import simulate
 from emovid.video.render import frames_checksum
 
-State = Literal["current", "missing", "stale", "corrupt", "changed"]
+State = Literal["current", "missing", "stale", "corrupt", "changed", "unplanned"]
 _UNREADABLE = "recorded by another version of emovid"
 
 
@@ -41,28 +44,50 @@ class Rebuild(NamedTuple):
 
 
 def status(folder: Path) -> list[Finding]:
-    """Return the state of each result of a folder: of the items of its plan or, without a plan, of its records.
+    """Return the state of each result of a folder: of the items of its sweep or, without a plan, of its records.
 
     A result is missing if its file or its record is missing, stale if it was made from another scene or with other
-    versions, and corrupt if its file has changed.
+    versions, corrupt if its file has changed, and unplanned if the sweep file, as it is now, has no such item.
 
     Raises:
         InputError: if there is neither a plan nor a manifest.
     """
     if not (folder / PLAN).exists():
-        return [_state(folder, name, record, _job(folder / name, record)) for name, record in _records(folder).items()]
-    sweep, records = read_sweep(folder / PLAN), read_manifest(folder)
-    jobs = [item.job(folder, sweep.only) for item in items(sweep)]
-    return [_state(folder, job.target.name, records.get(job.target.name), job) for job in jobs]
+        return [
+            state_of(folder, name, record, _job(folder / name, record)) for name, record in _records(folder).items()
+        ]
+    records, planned = read_manifest(folder), read_sweep(folder / PLAN)
+    sweep = read_sweep(planned.file, planned.only) if planned.file.is_file() else planned
+    items, found = Items(sweep), []
+    if sweep.plan_values() != planned.plan_values():
+        found.append(Finding(PLAN, "stale", f"{sweep.where} has changed since"))
+    known, names = items.numbers_of(records), set()
+    for number in range(1, len(items) + 1):
+        name = known.get(number, "")
+        if name and str(records[name].scene_digest)[:12] in name:
+            found.append(_recorded_state(folder, name, records[name]))
+        else:
+            item = items.item(number)
+            name = item.name
+            found.append(state_of(folder, name, records.get(name), items.job(folder, item)))
+        names.add(name)
+    for name in sorted(records.keys() - names):
+        is_sheet = records[name].only == "sheet"
+        found.append(_unchanged(folder, name, records[name]) if is_sheet else Finding(name, "unplanned"))
+    return [*found, *_table_findings(folder, Items(planned), records)]
 
 
 def verify(folder: Path) -> list[Finding]:
-    """Return for each file in a folder's manifest whether it exists and is unchanged.
+    """Return for each result in a folder's manifest, and for the table of a sweep, whether it exists and is unchanged.
 
     Raises:
         InputError: if there is no manifest.
     """
-    return [_unchanged(folder / name, record) for name, record in _records(folder).items() if record.has_file]
+    records = _records(folder)
+    found = [_unchanged(folder, name, record) for name, record in records.items()]
+    if (folder / PLAN).exists():
+        found += _table_findings(folder, Items(read_sweep(folder / PLAN)), records)
+    return found
 
 
 def verify_again(folder: Path, pool: Pool, on_result: Callable[[int, int], None]) -> list[Finding]:
@@ -81,8 +106,7 @@ def verify_again(folder: Path, pool: Pool, on_result: Callable[[int, int], None]
     for done, (entry, outcome) in enumerate(run(rebuild, work, pool), start=1):
         if isinstance(outcome, EmovidError):
             raise outcome
-        known = found.get(entry.name)
-        if known is None or known.state == "current":
+        if found[entry.name].state == "current" or (not entry.record.has_file and outcome.state != "current"):
             found[entry.name] = outcome
         on_result(done, len(work))
     return list(found.values())
@@ -133,26 +157,61 @@ def _job(target: Path, record: Record) -> Job | None:
         return None
 
 
-def _state(folder: Path, name: str, record: Record | None, job: Job | None) -> Finding:
+def state_of(folder: Path, name: str, record: Record | None, job: Job | None) -> Finding:
+    """Return the state of a result, given its record and the job that would make it now; None for missing ones."""
     if record is None:
         return Finding(name, "missing", "exists, but is not recorded" if (folder / name).exists() else "")
-    if record.has_file and (found := _unchanged(folder / name, record)).state != "current":
+    if record.only == "sheet" or (job and record.recipe == replace(job.recipe, run=record.run)):
+        return _unchanged(folder, name, record)
+    found = _recorded_state(folder, name, record)
+    if found.state != "current":
         return found
-    if record.only == "sheet":
-        return Finding(name, "current")
-    other = _versions(record).removeprefix(": ")
-    if job is None:
-        return Finding(name, "stale", other or _UNREADABLE)
-    recipe, known = job.recipe, record.recipe
-    if (known.scene_digest, known.versions, known.encoder) != (recipe.scene_digest, recipe.versions, recipe.encoder):
-        return Finding(name, "stale", other or "made from another scene")
-    return Finding(name, "current")
+    return Finding(name, "stale", "made from another scene" if job else _UNREADABLE)
 
 
-def _unchanged(file: Path, record: Record) -> Finding:
-    if not file.exists():
-        return Finding(file.name, "missing")
-    return Finding(file.name, "current" if file_digest(file) == record.sha256 else "corrupt")
+def _recorded_state(folder: Path, name: str, record: Record) -> Finding:
+    """Return the state of a result whose scene is known to be that of its job."""
+    found = _unchanged(folder, name, record)
+    if found.state == "current" and record.versions != versions(record.only):
+        return Finding(name, "stale", _versions(record).removeprefix(": ") or _UNREADABLE)
+    return found
+
+
+def _unchanged(folder: Path, name: str, record: Record) -> Finding:
+    """Return whether a result exists and is as it was recorded."""
+    if not record.has_file:
+        is_same = record.sha256 in (None, descriptors_digest(record))
+        return Finding(name, "current") if is_same else Finding(name, "corrupt", "its descriptors were changed")
+    if not (folder / name).exists():
+        return Finding(name, "missing")
+    return Finding(name, "current" if file_digest(folder / name) == record.sha256 else "corrupt")
+
+
+def _table_findings(folder: Path, items: Items, records: Records) -> list[Finding]:
+    """Return the states of the table of results: it must be that of the results that some versions have made."""
+    known = items.numbers_of(records)
+    made_by = {json.dumps(records[name].versions): records[name].versions for name in known.values()}
+    tables = [table_of(items, {}, records)] if not known else []
+    for made in made_by.values():
+        some = {number: name for number, name in known.items() if records[name].versions == made}
+        there = {n: name for n, name in some.items() if not records[name].has_file or (folder / name).exists()}
+        tables += [table_of(items, names, records) for names in (there, some)]
+    expected = [(TABLE, [table.csv for table in tables])]
+    parquet = Path(TABLE).with_suffix(".parquet").name
+    if find_spec("pyarrow") and (known or (folder / parquet).exists()):
+        expected.append((parquet, [table.parquet for table in tables]))
+    return [_table_finding(folder, name, contents) for name, contents in expected]
+
+
+def _table_finding(folder: Path, name: str, contents: Sequence[bytes]) -> Finding:
+    if has_journals(folder):
+        return Finding(name, "stale", "a run has not ended, or was killed: run the sweep again")
+    try:
+        found = (folder / name).read_bytes()
+    except OSError:
+        return Finding(name, "missing", "run the sweep again")
+    is_known = found in contents or (name.endswith(".parquet") and any(same_parquet(found, made) for made in contents))
+    return Finding(name, "current") if is_known else Finding(name, "corrupt", "not the table of these results")
 
 
 def _versions(record: Record) -> str:

@@ -15,9 +15,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from emovid.atomic_io import file_digest, writing
-from emovid.batch.job import Record, versions
+from emovid.batch.job import Record
 from emovid.batch.manifest import Journal
-from emovid.batch.sweep import Item
+from emovid.batch.versions import versions
 from emovid.figures.contact import contact_figure
 from emovid.figures.style import encoded
 from emovid.swarm.files import load_trajectory
@@ -33,48 +33,48 @@ Axes = Sequence[tuple[str, Sequence[str]]]
 
 
 def write_contact_sheet(
-    folder: Path, items: Sequence[Item], axes: Axes, records: Mapping[str, Record], threads: int
+    folder: Path, names: Sequence[str], axes: Axes, records: Mapping[str, Record], threads: int
 ) -> None:
     """Write `contact-sheet.png`, unless it is up to date, or would have more than `MAX_SIDE` rows or columns.
 
     Args:
         folder: of the items' files.
-        items: all items of the sweep, finished.
+        names: of the results of all items.
         axes: names and values of the varied keys, slowest first.
-        records: of the items, by name.
+        records: by name.
         threads: number of videos to read at once.
     """
     rows, columns = _arranged(axes)
     high, wide = _count(rows), _count(columns)
     wrapped = high == 1 and wide > _ONE_ROW
     if wrapped:
-        wide = ceil(sqrt(len(items)))
-        high = ceil(len(items) / wide)
+        wide = ceil(sqrt(len(names)))
+        high = ceil(len(names) / wide)
     if max(high, wide) > MAX_SIDE:
         return
-    files = [(item.name, records[item.name].sha256) for item in items]
+    files = [(name, records[name].sha256) for name in names]
     record = Record("sheet", shows=_digest([files, axes]), versions=versions("sheet"))
     target = folder / NAME
     with Journal(folder) as journal:
         known = journal.records.get(NAME)
         if known and target.is_file() and known == replace(record, sha256=file_digest(target)):
             return
-        grid = _pictures(folder, items, records, threads, wide, high)
+        grid = _pictures(folder, names, records, threads, wide, high)
         with writing(target) as file:
             file.write(encoded(_figure(grid, rows, columns, wrapped=wrapped), "png"))
         journal.add(NAME, replace(record, sha256=file_digest(target)))
 
 
 def _pictures(
-    folder: Path, items: Sequence[Item], records: Mapping[str, Record], threads: int, wide: int, high: int
+    folder: Path, names: Sequence[str], records: Mapping[str, Record], threads: int, wide: int, high: int
 ) -> NDArray[np.uint8]:
     """Return the last frames of items, (high, wide, height, width, 3), white in unused places."""
     width = 2 * (int(np.clip(_PAGE / wide, _NARROW, _WIDE)) // 2)
-    video = items[0].scene.video
-    height = 2 * max(round(width * video.height / video.width / 2), 32)
+    wide_video, high_video = _size(records[names[0]])
+    height = 2 * max(round(width * high_video / wide_video / 2), 32)
     with ThreadPoolExecutor(threads) as pool:
-        made = list(pool.map(partial(_picture, folder, records, width, height), items))
-    blank = [np.full_like(made[0], 255)] * (high * wide - len(items))
+        made = list(pool.map(partial(_picture, folder, records, width, height), names))
+    blank = [np.full_like(made[0], 255)] * (high * wide - len(names))
     return np.stack(made + blank).reshape(high, wide, height, width, 3)
 
 
@@ -103,13 +103,21 @@ def _labels(axes: Axes) -> tuple[str, list[str]]:
     return ", ".join(titles), [", ".join(values) for values in product(*(values for _, values in axes))]
 
 
-def _picture(folder: Path, records: Mapping[str, Record], width: int, height: int, item: Item) -> NDArray[np.uint8]:
+def _picture(folder: Path, records: Mapping[str, Record], width: int, height: int, name: str) -> NDArray[np.uint8]:
     """Return the last frame of an item, (height, width, 3) RGB."""
-    if records[item.name].only == "video":
-        return read_last_frame(folder / item.name, item.scene.frames, item.scene.video.fps, width, height)
-    run = load_trajectory(folder / item.name)
+    record = records[name]
+    if record.frames and record.fps:
+        return read_last_frame(folder / name, record.frames, record.fps, width, height)
+    run = load_trajectory(folder / name)
     video = run.scene.video.model_copy(update={"size": f"{width}x{height}"})
     return Painter(run, video).frame(run.t[-1])[..., :3].copy()
+
+
+def _size(record: Record) -> tuple[int, int]:
+    """Return the width and height of the video of a result's scene [pixels]."""
+    assert record.scene
+    wide, _, high = record.scene["video"]["size"].partition("x")
+    return int(wide), int(high)
 
 
 def _digest(value: object) -> str:

@@ -1,11 +1,11 @@
 """A job: a scene to turn into a video, a trajectory or measurements, the record of its result, and the work itself."""
 
 import hashlib
-import platform
+import json
+import tempfile
 from collections.abc import Mapping
+from contextlib import nullcontext
 from dataclasses import asdict, dataclass, replace
-from functools import cache
-from importlib.metadata import version
 from math import isnan
 from pathlib import Path
 from typing import Any, Literal
@@ -14,31 +14,17 @@ from pydantic import TypeAdapter, ValidationError
 
 from emovid.atomic_io import file_digest
 from emovid.batch.scheduler import OnStep
+from emovid.batch.versions import RecordKind, Versions, check_versions, versions
+from emovid.errors import EmovidError
 from emovid.scene.load import scene_digest
 from emovid.scene.model import Scene
 from emovid.swarm.files import save_trajectory
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
-from emovid.video import ffmpeg
 from emovid.video.encoder import video_arguments
 from emovid.video.render import render_video
 
 Kind = Literal["video", "trajectory", "measure"]
-RecordKind = Literal["video", "trajectory", "measure", "sheet"]
-
-# Modules and packages that a result of each kind depends on.
-_MODULES: Mapping[RecordKind, tuple[str, ...]] = {
-    "video": ("scene/*.py", "swarm/*.py", "video/*.py"),
-    "trajectory": ("scene/*.py", "swarm/*.py"),
-    "measure": ("scene/*.py", "swarm/*.py", "measure/*.py"),
-    "sheet": ("video/*.py", "figures/*.py", "batch/*.py"),
-}
-_PACKAGES: Mapping[RecordKind, tuple[str, ...]] = {
-    "video": ("numpy", "scipy", "matplotlib"),
-    "trajectory": ("numpy", "scipy"),
-    "measure": ("numpy", "scipy"),
-    "sheet": ("numpy", "matplotlib"),
-}
 
 
 @dataclass(frozen=True)
@@ -56,8 +42,21 @@ class Recipe:
     only: RecordKind
     scene_digest: str | None
     run: str | None
-    versions: Mapping[str, str]
+    versions: Versions
     encoder: list[str] | None
+
+
+@dataclass(frozen=True)
+class SweepPoint:
+    """The place of a result in a sweep.
+
+    Attributes:
+        base: digest of everything that the items of a scene have in common.
+        cells: the scene's name and the settings, by key.
+    """
+
+    base: str
+    cells: dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -65,18 +64,19 @@ class Record:
     """Entry of the manifest for one result: facts about it, its digests, and its recipe.
 
     Attributes:
-        sha256: of the file; of a folder, see `file_digest`.
+        sha256: of the file; of a folder, see `file_digest`; of measurements, see `descriptors_digest`.
         trajectory_sha256: of times, poses and commands.
         frames_crc32: of the frames as drawn.
         scene: the resolved scene as plain values.
         shows: digest of what a contact sheet shows.
+        point: of the sweep that made the result.
     """
 
     only: RecordKind
     emotion: str | None = None
     seed: int | None = None
     frames: int | None = None
-    fps: float | None = None
+    fps: int | None = None
     size: str | None = None
     duration: float | None = None
     frames_crc32: str | None = None
@@ -87,9 +87,10 @@ class Record:
     scene: dict[str, Any] | None = None
     scene_digest: str | None = None
     run: str | None = None
-    versions: Mapping[str, str] | None = None
+    versions: Versions | None = None
     encoder: list[str] | None = None
     shows: str | None = None
+    point: SweepPoint | None = None
 
     @property
     def recipe(self) -> Recipe:
@@ -126,12 +127,14 @@ class Job:
         target: the file, in an existing folder; measurements have no file, only this name.
         run: a finished trajectory to use instead of simulating.
         only: kind of the result.
+        point: of the sweep that the job belongs to.
     """
 
     scene: Scene
     target: Path
     run: Trajectory | None = None
     only: Kind = "video"
+    point: SweepPoint | None = None
 
     @property
     def recipe(self) -> Recipe:
@@ -157,7 +160,8 @@ def make(job: Job, on_step: OnStep | None = None) -> Record:
     """
     scene, frames = job.scene, job.scene.frames
     trajectory = job.run or simulate(scene, on_step if job.only != "video" else None)
-    record = Record(job.only, scene.emotion, scene.seed, scene=scene.resolved(), trajectory_sha256=trajectory.digest())
+    record = Record(job.only, scene.emotion, scene.seed, scene=scene.resolved(), point=job.point)
+    record = replace(record, trajectory_sha256=trajectory.digest())
     if job.only == "video":
         checksum = render_video(trajectory, job.target, (lambda done: on_step(done, frames)) if on_step else None)
         fps, size = scene.video.fps, scene.video.size
@@ -171,29 +175,68 @@ def make(job: Job, on_step: OnStep | None = None) -> Record:
 
         measured = describe(trajectory)
         record = replace(record, descriptors={name: None if isnan(x) else x for name, x in measured.items()})
-    if record.has_file:
-        record = replace(record, sha256=file_digest(job.target))
+    record = replace(record, sha256=file_digest(job.target) if record.has_file else descriptors_digest(record))
     recipe = job.recipe
     return replace(
         record, scene_digest=recipe.scene_digest, run=recipe.run, versions=recipe.versions, encoder=recipe.encoder
     )
 
 
-@cache
-def versions(only: RecordKind) -> dict[str, str]:
-    """Return the versions of everything that such a result depends on; `code` is a digest of our own modules."""
-    return {
-        **{name: version(name) for name in ("emovid", *_PACKAGES[only])},
-        **({"ffmpeg": ffmpeg.version()} if only == "video" else {}),
-        "machine": platform.machine(),
-        "code": _code_digest(_MODULES[only]),
-    }
+def descriptors_digest(record: Record) -> str:
+    """Return the SHA-256 of the measurements in a record."""
+    return hashlib.sha256(json.dumps(record.descriptors, sort_keys=True).encode()).hexdigest()
 
 
-def _code_digest(patterns: tuple[str, ...]) -> str:
-    """Return a digest of our modules: an edited checkout counts as another version."""
-    package = Path(__file__).parent.parent
-    sha = hashlib.sha256()
-    for path in sorted(path for pattern in patterns for path in package.glob(pattern)):
-        sha.update(path.read_bytes())
-    return sha.hexdigest()[:16]
+@dataclass(frozen=True)
+class Order:
+    """A job for a worker.
+
+    Attributes:
+        job: to do. Its target is the final one, which a worker never writes to.
+        versions: that the worker must have.
+        folder: to write the result to; None for a worker elsewhere, which sends the result back.
+    """
+
+    job: Job
+    versions: Versions
+    folder: Path | None
+
+
+@dataclass(frozen=True)
+class Delivery:
+    """The result of an order.
+
+    Attributes:
+        record: of the result.
+        content: bytes of each file, by its path inside the result; None if the worker wrote to the order's folder.
+    """
+
+    record: Record
+    content: Mapping[str, bytes] | None = None
+
+
+def fulfil(order: Order, on_step: OnStep | None = None) -> Delivery:
+    """Do a job with the versions that were ordered, and refuse to do it with others.
+
+    Raises:
+        OtherVersionsError: if this process has other versions; nothing is made then.
+        EmovidError: if the result cannot be made.
+    """
+    job = order.job
+    check_versions(job.only, order.versions)
+    with nullcontext(order.folder) if order.folder else tempfile.TemporaryDirectory() as folder:
+        target = Path(folder) / job.target.name
+        try:
+            record = make(replace(job, target=target), on_step)
+            check_versions(job.only, order.versions)  # a module may have been edited before this job imported it
+            return Delivery(record, None if order.folder or not record.has_file else _content(target))
+        except EmovidError as error:
+            if str(target) in str(error):
+                raise EmovidError(str(error).replace(str(target), str(job.target))) from None
+            raise
+
+
+def _content(path: Path) -> dict[str, bytes]:
+    if path.is_dir():
+        return {inside.name: inside.read_bytes() for inside in sorted(path.iterdir())}
+    return {"": path.read_bytes()}

@@ -1,25 +1,34 @@
 """The manifest of a folder of results, `manifest.json`, and the journals of the runs that write there.
 
-A run appends the record of each finished job to its own journal: parallel runs never wait for each other, and a killed
-run loses nothing. At its end a run merges all journals into the manifest, then removes its own and those of dead runs.
-Readers read the manifest and the journals.
+A run has its own journal. Its lines are
+
+- `{"plan": DIGEST}`, first: which sweep the run makes; another sweep must wait or go to another folder,
+- `[NAME]`: the run starts to make this result; parallel runs of the same sweep make others,
+- `[NAME, RECORD]`: the result is finished.
+
+Parallel runs never wait for each other to write, and a killed run loses nothing. At its end a run merges all journals
+into the manifest, then removes its own and those of dead runs. Readers read the manifest and the journals.
 """
 
 import errno
 import fcntl
 import json
 import os
+import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Any, Self
 
-from emovid.atomic_io import is_written, not_written, owner, writing
-from emovid.batch.job import Record, RecordKind
-from emovid.errors import EmovidError
+from emovid.atomic_io import is_written, not_written, owner, replace_if_changed, writing
+from emovid.batch.job import Record
+from emovid.batch.versions import RecordKind
+from emovid.errors import EmovidError, InputError
 
-NAME = "manifest.json"
+NAME, PLAN = "manifest.json", "plan.json"
+_PACE = 0.5  # seconds between two looks for the journals of other runs
 _JOURNAL, _LOCK = f".{NAME}.*.journal", f".{NAME}.lock"
 SECTIONS: Mapping[RecordKind, str] = {
     "video": "videos",
@@ -29,6 +38,14 @@ SECTIONS: Mapping[RecordKind, str] = {
 }
 
 Records = dict[str, Record]  # by the name of the result
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The plan of a sweep: its text, and a digest that is equal for equal sweeps."""
+
+    text: str
+    digest: str
 
 
 def read_manifest(folder: Path) -> Records:
@@ -46,17 +63,25 @@ def has_journals(folder: Path) -> bool:
 
 
 class Journal:
-    """The records of one run into an existing folder; leaving it as a context merges them into the manifest.
+    """The records of one run into an existing folder; as a context it merges them into the manifest at its end.
 
     Attributes:
-        records: of the folder, as they were when the run began, and those added since.
+        folder: of the results.
+        records: of the folder, as they were when the run began, and those added since by this run and the others.
+
+    Args:
+        folder: of the results.
+        plan: of the sweep that the run makes, to claim the folder for and to write there.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, plan: Plan | None = None) -> None:
         self.folder = folder
         self.records = read_manifest(folder)
+        self._plan = plan
         self._path = folder / f".{NAME}.{owner()}.journal"
         self._file: IO[bytes] | None = None
+        self._others: dict[Path, _OtherRun] = {}
+        self._looked = 0.0
 
     def add(self, name: str, record: Record) -> None:
         """Add the record of a finished job.
@@ -64,17 +89,37 @@ class Journal:
         Raises:
             EmovidError: if the journal cannot be written.
         """
-        try:
-            self._file = self._file or self._path.open("ab", buffering=0)
-            # The line break in front ends a half-written line that an interrupted write may have left.
-            line = b"\n" + json.dumps([name, record.to_json()]).encode() + b"\n"
-            if self._file.write(line) < len(line):
-                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        except OSError as error:
-            raise not_written(self.folder / NAME, error) from None
+        self._write([name, record.to_json()])
         self.records[name] = record
 
+    def claim(self, name: str) -> None:
+        """Tell the other runs that this one starts to make a result. Raises as `add`."""
+        self._write([name])
+
+    def claimed_elsewhere(self) -> set[str]:
+        """Return the names of unfinished results that other live runs make; `records` gets their finished ones."""
+        if time.monotonic() - self._looked >= _PACE:
+            self._looked = time.monotonic()
+            paths = {path for path in self.folder.glob(_JOURNAL) if path != self._path and is_written(path)}
+            if self._others.keys() - paths:  # merged into the manifest, or dead
+                self.records |= read_manifest(self.folder)
+            self._others = {path: self._others.get(path) or _OtherRun() for path in paths}
+        claimed: set[str] = set()
+        for path, other in self._others.items():
+            self.records |= other.read(path)
+            claimed |= other.claimed
+        return claimed
+
     def __enter__(self) -> Self:
+        if self._plan:
+            with _lock(self.folder):
+                for path in self.folder.glob(_JOURNAL):
+                    if path != self._path and is_written(path) and _plan_of(path) not in ("", self._plan.digest):
+                        raise InputError(
+                            f"{self.folder}: another sweep is being made there; expected another folder (-o), or wait"
+                        )
+                self._write({"plan": self._plan.digest})
+                replace_if_changed(self.folder / PLAN, self._plan.text.encode())
         return self
 
     def __exit__(
@@ -87,6 +132,38 @@ class Journal:
         except EmovidError:
             if error is None:  # otherwise the first error says more; the next run merges the journal
                 raise
+
+    def _write(self, entry: Any) -> None:
+        try:
+            self._file = self._file or self._path.open("ab", buffering=0)
+            # The line break in front ends a half-written line that an interrupted write may have left.
+            line = b"\n" + json.dumps(entry).encode() + b"\n"
+            if self._file.write(line) < len(line):
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        except OSError as error:
+            raise not_written(self.folder / NAME, error) from None
+
+
+class _OtherRun:
+    """The journal of another run, read as it grows."""
+
+    def __init__(self) -> None:
+        self.claimed: set[str] = set()
+        self._offset = 0
+
+    def read(self, path: Path) -> Records:
+        """Return the records that are new, and update the names that are claimed and not finished."""
+        try:
+            with path.open("rb") as file:
+                file.seek(self._offset)
+                data = file.read()
+        except OSError:  # it has just been merged
+            return {}
+        data = data[: data.rfind(b"\n") + 1]
+        self._offset += len(data)
+        claims, records = _entries(data)
+        self.claimed = (self.claimed | claims) - records.keys()
+        return records
 
 
 def merge_journals(folder: Path, own: Path | None = None) -> None:
@@ -105,16 +182,15 @@ def merge_journals(folder: Path, own: Path | None = None) -> None:
         return
     with _lock(folder):
         journals = list(folder.glob(_JOURNAL))
-        if not journals:
-            return
         finished = [path for path in journals if path == own or not is_written(path)]
-        records = {
-            name: record
-            for name, record in read_manifest(folder).items()
-            if not record.has_file or (folder / name).exists()
-        }
-        with writing(folder / NAME) as file:
-            file.write(_manifest_text(records).encode())
+        new: Records = {}
+        for path in journals:
+            new |= _read_journal(path)
+        if new:
+            known = (_read_merged(folder) | new).items()
+            records = {name: record for name, record in known if not record.has_file or (folder / name).exists()}
+            with writing(folder / NAME) as file:
+                file.write(_manifest_text(records).encode())
         for path in finished:
             path.unlink(missing_ok=True)
 
@@ -157,15 +233,33 @@ def _read_merged(folder: Path) -> Records:
 
 
 def _read_journal(path: Path) -> Records:
-    """Return the records of a journal; a killed run may have left its last line unfinished."""
-    records: Records = {}
     with suppress(OSError):  # it has just been merged
-        for line in path.read_bytes().splitlines():
-            with suppress(ValueError, TypeError):
-                name, values = json.loads(line)
-                if record := Record.from_json(values):
-                    records[str(name)] = record
-    return records
+        return _entries(path.read_bytes())[1]
+    return {}
+
+
+def _entries(data: bytes) -> tuple[set[str], Records]:
+    """Return the claims and the records in lines of a journal; a killed run may have left its last line unfinished."""
+    claims: set[str] = set()
+    records: Records = {}
+    for line in data.splitlines():
+        with suppress(ValueError, TypeError):
+            entry = json.loads(line)
+            if not isinstance(entry, list):
+                continue
+            name, *rest = entry
+            if not rest:
+                claims.add(str(name))
+            elif record := Record.from_json(*rest):
+                records[str(name)] = record
+    return claims, records
+
+
+def _plan_of(path: Path) -> str:
+    """Return the digest of the plan in a journal, or ""."""
+    with suppress(OSError, ValueError, TypeError, KeyError, IndexError), path.open("rb") as file:
+        return str(json.loads(file.read(200).splitlines()[1])["plan"])
+    return ""
 
 
 def _manifest_text(records: Mapping[str, Record]) -> str:

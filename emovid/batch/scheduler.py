@@ -1,12 +1,13 @@
 """The scheduler: hands items to a pool of workers, a bounded number at once, and retries items whose worker died."""
 
+import time
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future
 from functools import partial
 from pathlib import Path
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 from typing import Any, Protocol, TypeVar
 
 from emovid.errors import EmovidError, reason
@@ -15,6 +16,7 @@ Item = TypeVar("Item")
 OnStep = Callable[[int, int], None]  # receives the steps done and their total
 OnProgress = Callable[[Any, int, int], None]  # receives an item, its steps done and their total
 OnDeath = Callable[[Any, int], None]  # receives an item whose worker died, and the number of the attempt
+_PACE = 0.2  # seconds between two looks for new workers and new items
 
 
 class Pool(Protocol):
@@ -22,7 +24,7 @@ class Pool(Protocol):
 
     @property
     def slots(self) -> int:
-        """Number of items that may run at once."""
+        """Number of items that may run at once; 0 while there is no worker."""
 
     @property
     def attempts(self) -> int:
@@ -32,36 +34,61 @@ class Pool(Protocol):
     def deaths(self) -> tuple[type[BaseException], ...]:
         """Exceptions of a future whose worker died."""
 
+    @property
+    def is_remote(self) -> bool:
+        """Whether the workers may lack access to the folders of this process."""
+
     def submit(self, work: Callable[..., Any], item: Any) -> "Future[Any]":
         """Start `work(item, on_step)`; `on_step` may be None."""
 
 
 def run(
     work: Callable[..., Any],
-    items: Iterable[Item],
+    items: Iterable[Item | None],
     pool: Pool,
     on_death: OnDeath = lambda *_: None,
 ) -> Iterator[tuple[Item, Any]]:
     """Yield each item when it ends, with the result of `work(item, on_step)` or the `EmovidError` that it failed with.
 
     An item whose worker dies is tried again, up to `pool.attempts` times; other items are not affected.
+
+    Args:
+        work: to do.
+        items: taken one by one when a worker is free; None stands for an item that cannot start yet.
+        pool: of workers.
+        on_death: receives items whose worker died.
     """
-    waiting = deque((item, 1) for item in items)
+    source, again = iter(items), deque[tuple[Item, int]]()
     running: dict[Future[Any], tuple[Item, int]] = {}
     done: SimpleQueue[Future[Any]] = SimpleQueue()
-    while waiting or running:
-        while waiting and len(running) < pool.slots:
-            item, attempt = waiting.popleft()
+    is_exhausted = False
+    while True:
+        while len(running) < pool.slots and not (is_exhausted and not again):
+            try:
+                item, attempt = again.popleft() if again else (next(source), 1)
+            except StopIteration:
+                is_exhausted = True
+                break
+            if item is None:
+                break
             future = pool.submit(partial(_attempt, work), item)
             running[future] = (item, attempt)
             future.add_done_callback(done.put)
-        future = done.get()
+        if not running:
+            if is_exhausted and not again:
+                return
+            time.sleep(_PACE)
+            continue
+        try:
+            future = done.get(timeout=_PACE)
+        except Empty:
+            continue
         item, attempt = running.pop(future)
         outcome = _outcome(future, pool)
         if outcome is not None:
             yield item, outcome
         elif attempt < pool.attempts:
-            waiting.append((item, attempt + 1))
+            again.append((item, attempt + 1))
             on_death(item, attempt)
         else:
             yield item, EmovidError("its worker died in every attempt: killed, or out of memory")

@@ -1,10 +1,12 @@
 """The sweep file, sweep.yaml: scenes, the keys to replace in them, and seeds."""
 
+import hashlib
 import json
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Iterator
 from copy import deepcopy
 from dataclasses import dataclass, field
-from itertools import combinations
+from itertools import chain, combinations
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -12,7 +14,9 @@ import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError
 from pydantic_core import PydanticCustomError
 
+from emovid.atomic_io import file_digest
 from emovid.batch.job import Kind
+from emovid.batch.manifest import Plan
 from emovid.errors import SourceError, nearest
 from emovid.scene.load import Setting, read_robot, scene_keys, shipped_names
 from emovid.scene.picture import read_pictures
@@ -73,6 +77,7 @@ class SweepKeys(Keys):
     """The keys of a sweep file, without its scenes."""
 
     only: Kind = Field("video", description="kind of the results")
+    file: str | None = Field(None, description="in a plan: the sweep file, from the folder of the plan")
     set: Annotated[dict[str, Any], _NO_KEYS] = Field({}, description="keys of all items")
     list: Groups = Field([], description="groups of keys that change together")
     grid: Annotated[dict[str, Annotated[Any, _VALUES]], _GRID] = Field({}, description="keys to cross")
@@ -128,7 +133,8 @@ class Sweep:
     """A sweep; each setting knows its place in the file.
 
     Attributes:
-        where: the file.
+        where: the file that was read, for messages.
+        file: the sweep file; of a plan, the one that the plan was made from.
         only: kind of the results.
         scenes: by the name that tables show.
         set: settings of all items.
@@ -138,6 +144,7 @@ class Sweep:
     """
 
     where: str
+    file: Path
     only: Kind
     scenes: dict[str, Template]
     set: tuple[Setting, ...] = ()
@@ -145,10 +152,17 @@ class Sweep:
     grid: dict[str, tuple[Setting, ...]] = field(default_factory=dict)
     seeds: tuple[Setting, ...] = ()
 
-    def plan(self) -> str:
-        """Return the sweep as JSON that `read_sweep` reads.
+    def plan(self, folder: Path) -> Plan:
+        """Return the plan of the sweep in a folder: JSON that `read_sweep` reads, and the path of the sweep file."""
+        values = self.plan_values()
+        digest = hashlib.sha256(json.dumps(values).encode()).hexdigest()
+        file = os.path.relpath(self.file, folder.resolve())
+        return Plan(json.dumps({"file": file} | values, indent=1, ensure_ascii=False) + "\n", digest)
 
-        The plan contains the pictures and robots that its scenes name, and absolute paths of those in settings.
+    def plan_values(self) -> dict[str, Any]:
+        """Return the sweep as plain values.
+
+        They contain the pictures and robots that its scenes name, and absolute paths of those in settings.
         """
         plan = {
             "only": self.only,
@@ -158,8 +172,13 @@ class Sweep:
             "grid": {key: [self._located(key, s.value) for s in settings] for key, settings in self.grid.items()},
             "seeds": [setting.value for setting in self.seeds],
         }
-        kept = {key: value for key, value in plan.items() if value}
-        return json.dumps(kept, indent=1, ensure_ascii=False) + "\n"
+        return {key: value for key, value in plan.items() if value}
+
+    def file_digests(self) -> tuple[str, ...]:
+        """Return the digests of the files that settings name."""
+        settings = [*self.set, *chain(*self.list), *chain(*self.grid.values())]
+        files = {file for s in settings for file in self._files(s.key, s.value)}
+        return tuple(sorted(file_digest(file) for file in files))
 
     def _values(self, settings: tuple[Setting, ...]) -> dict[str, Any]:
         return {setting.key: self._located(setting.key, setting.value) for setting in settings}
@@ -168,10 +187,16 @@ class Sweep:
         """Return a value with absolute paths of the files in it, which are relative to the scenes' folders."""
         if isinstance(value, dict):
             return {inner: self._located(inner, part) for inner, part in value.items()}
-        if not isinstance(value, str) or key.rpartition(".")[2] not in ("file", "model"):
-            return value
-        files = (template.folder / value for template in self.scenes.values())
-        return next((str(file.resolve()) for file in files if file.is_file()), value)
+        return next((str(file) for file in self._files(key, value)), value)
+
+    def _files(self, key: str, value: Any) -> Iterator[Path]:
+        """Yield the absolute paths of the files that a value names."""
+        if isinstance(value, dict):
+            for inner, part in value.items():
+                yield from self._files(inner, part)
+        elif isinstance(value, str) and key.rpartition(".")[2] in ("file", "model"):
+            files = (template.folder / value for template in self.scenes.values())
+            yield from (file.resolve() for file in files if file.is_file())
 
 
 # --- reading ----------------------------------------------------------------------------------------------------------
@@ -195,7 +220,7 @@ def read_sweep(path: Path, only: str | None = None) -> Sweep:
     """
     values, places = _read(path)
     if not isinstance(values, dict):
-        raise SourceError(str(path), f"not a sweep: expected some of {', '.join(['scenes', *SweepKeys.model_fields])}")
+        raise SourceError(str(path), "not a sweep: expected some of scenes, only, set, list, grid, seeds")
     if only is not None:
         values, places = values | {"only": only}, {**places, ("only",): "--only"}
     reader = _Reader(path, places)
@@ -232,6 +257,7 @@ class _Reader:
         seeds = range(1, keys.seeds + 1) if isinstance(keys.seeds, int) else keys.seeds
         sweep = Sweep(
             str(self.path),
+            (self.path.parent / keys.file if keys.file else self.path).resolve(),
             keys.only,
             self._scenes(keys.scenes),
             self._settings(("set",), keys.set),

@@ -33,6 +33,7 @@ class InProcess:
 
     slots = attempts = 1
     deaths = ()
+    is_remote = False
 
     def __init__(self, on_progress: OnProgress) -> None:
         self._on_progress = on_progress
@@ -57,6 +58,7 @@ class Processes:
 
     attempts = 3
     deaths = (BrokenProcessPool, Stopped)
+    is_remote = False
 
     def __init__(self, slots: int, on_progress: OnProgress) -> None:
         self.slots = slots

@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from emovid.atomic_io import make_folder
-from emovid.batch import manifest, order
+from emovid.batch import manifest
 from emovid.cli import completion
 from emovid.cli.options import (
     Duration,
@@ -128,7 +128,7 @@ def render(
     overrides = _look(settings(assignments, seed, look, duration), output, overlays or [])
     named = list(EMOTIONS) if every else _named(sources or [], emotion)
     work = rendering.video_jobs([on_platform(name, platform) for name in named], overrides, output, _video_file)
-    files = (manifest.NAME, order.NAME) if every else (manifest.NAME,)
+    files = (manifest.NAME, rendering.ORDER) if every else (manifest.NAME,)
     with reporter(len(work), quiet=quiet or as_json) as report:
         made = rendering.make_all(work, report, jobs, force=force, files=files)
     if as_json:
@@ -137,8 +137,7 @@ def render(
         typer.echo(json.dumps({"videos": videos, "failed": failed}, indent=2))
     raise_failures(made.failures.values(), len(work), "videos")
     if every:
-        names = {name: job.target.name for name, job in zip(EMOTIONS, work, strict=True)}
-        order.write_presentation_order(work[0].target.parent, names, seed or 0)
+        rendering.write_presentation_order(work, seed or 0)
 
 
 def _named(sources: list[str], emotion: str | None) -> list[str]:

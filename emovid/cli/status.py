@@ -27,7 +27,7 @@ def status(folder: Folder, as_json: Json = False) -> None:
     """
     found = check.status(folder)
     _show(found, as_json)
-    if any(result.state != "current" for result in found):
+    if any(result.state not in ("current", "unplanned") for result in found):
         raise typer.Exit(1)
 
 
@@ -51,7 +51,7 @@ def verify(
     else:
         found = check.verify(folder)
     _show(found, as_json)
-    if any(result.state not in ("current", "stale") for result in found):
+    if any(result.state not in ("current", "stale", "unplanned") for result in found):
         raise typer.Exit(1)
 
 

@@ -2,19 +2,21 @@
 
 import json
 import os
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from emovid.batch.cache import find_current, make_missing, workers
-from emovid.batch.results import TABLE, write_plan, write_summary
-from emovid.batch.sweep import items, shard_of
+from emovid.batch.results import TABLE
+from emovid.batch.sweep import Items, shard_of
 from emovid.batch.sweep_file import find_sweep, read_sweep
 from emovid.cli.options import Force, Jobs, Json, Quiet
 from emovid.cli.terminal import raise_failures, reporter
-from emovid.errors import InputError
-from emovid.swarm.simulate import check_start
+from emovid.workflows.sweeps import Step, SweepOutcome, SweepRun, check_output, plan_sweep, run_sweep
 
 FOLDER = "sweeps"
 
@@ -40,37 +42,63 @@ def sweep(
     shard: Annotated[
         str | None, typer.Option(metavar="I/N", help="Make one part of the items, as in 3/40.", show_default=False)
     ] = None,
+    wait: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SECONDS", min=0, help="Time to wait for a worker of the scheduler.", show_default="no limit"
+        ),
+    ] = None,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", "-n", help="List what would be made or replaced, and why; make nothing.")
+    ] = False,
     force: Force = False,
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
     """Make every missing or outdated item of a sweep, and a table of the results.
 
-    Videos also get a contact sheet.
+    Videos also get a contact sheet. Files that are up to date get the date of now, for make.
 
     Examples: emovid sweep sweep.yaml --jobs 2 · emovid sweep sweep.yaml --only measure --shard 3/40
     """
-    plan = read_sweep(find_sweep(file), only)
-    every = items(plan)
-    number, count = shard_of(shard) if shard else (1, 1)
-    folder = output or Path(FOLDER) / file.stem
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"-o {folder}: is a file; expected a folder")
-    work = [item.job(folder, plan.only) for item in every[number - 1 :: count]]
-    processes = jobs or os.cpu_count() or 1
-    with reporter(len(work), quiet=quiet or as_json, each=False) as report:
-        known = {} if force else find_current(work, report)
-        missing = [job for job in work if job.target not in known]
-        for job in missing:
-            check_start(job.scene)
-        with workers(min(processes, len(missing)), report.advanced, scheduler if missing else None) as pool:
-            write_plan(folder, plan)
-            made = make_missing(missing, report, pool)
-    done = write_summary(folder, plan, every, processes)
+    items = Items(read_sweep(find_sweep(file), only))
+    part = shard_of(shard) if shard else (1, 1)
+    run = SweepRun(output or Path(FOLDER) / file.stem, part, force, jobs or os.cpu_count() or 1, scheduler, wait)
+    check_output(run.folder)
+    if dry_run:
+        _show_steps(list(plan_sweep(items, run)), as_json)
+        return
+    outcome = SweepOutcome(len(items))
+    try:
+        run_sweep(items, run, partial(reporter, quiet=quiet or as_json, each=False), outcome)
+    finally:
+        _show_outcome(run.folder, outcome, quiet=quiet, as_json=as_json)
+    raise_failures(outcome.made.failures.values(), len(run.numbers(items)))
+
+
+def _show_steps(steps: Sequence[Step], as_json: bool) -> None:
+    """Print a line for each result that would be made, replaced or left, and the number of results for each."""
+    counts = Counter(step.action for step in steps)
+    if as_json:
+        changes = [asdict(step) for step in steps if step.action != "keep"]
+        typer.echo(json.dumps({"counts": counts, "results": changes}, indent=2))
+        return
+    for step in steps:
+        if step.action != "keep":
+            typer.echo(": ".join(part for part in (step.action, step.name, step.reason) if part))
+    typer.echo(
+        f"{len(steps)} results: " + ", ".join(f"{count} to {action}" for action, count in sorted(counts.items()))
+    )
+
+
+def _show_outcome(folder: Path, outcome: SweepOutcome, *, quiet: bool, as_json: bool) -> None:
+    """Print the number of finished items, if the sweep came as far as to write its table."""
+    made = outcome.made
+    if outcome.finished is None:
+        return
     if as_json:
         failed = {target.name: str(failure) for target, failure in made.failures.items()}
-        counts = {"items": len(every), "made": len(made.records), "up_to_date": len(known)}
-        typer.echo(json.dumps({"folder": str(folder)} | counts | {"failed": failed}, indent=2))
+        counts = {"made": len(made.records), "up_to_date": outcome.known + len(made.elsewhere)}
+        typer.echo(json.dumps({"folder": str(folder), "items": outcome.items} | counts | {"failed": failed}, indent=2))
     elif not quiet:
-        typer.echo(f"{folder / TABLE}: {done} of {len(every)} items", err=True)
-    raise_failures(made.failures.values(), len(work))
+        typer.echo(f"{folder / TABLE}: {outcome.finished} of {outcome.items} items", err=True)

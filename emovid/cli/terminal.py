@@ -36,26 +36,33 @@ def is_interactive() -> bool:
 
 
 def raise_failures(failures: Collection[EmovidError], count: int, items: str = "items") -> None:
-    """Print the error of each failed item, and raise an error that says how many of `count` failed, if any."""
+    """Raise an error with the number of items out of `count` that failed, if any; reporters have printed each one."""
     if failures and count == 1:
         raise EmovidError(f"{next(iter(failures))}; {_REMEDY}")
-    for failure in failures:
-        print(failure, file=sys.stderr)
     if failures:
         raise EmovidError(f"{len(failures)} of {count} {items} failed: {_REMEDY}")
 
 
 class _Silent:
+    """Reports nothing but the failures of several items; that of a single one ends the command."""
+
+    def __init__(self, total: int) -> None:
+        self.total = total
+
     def advanced(self, job: "Job", done: int, total: int) -> None:
         pass
 
     def finished(self, job: "Job", record: "Record", *, made: bool) -> None:
         pass
 
-    def failed(self, job: "Job") -> None:
-        pass
+    def failed(self, job: "Job", error: EmovidError) -> None:  # noqa: ARG002 - see Reporter
+        if self.total > 1:
+            print(error, file=sys.stderr, flush=True)
 
     def died(self, job: "Job", attempt: int) -> None:
+        pass
+
+    def noted(self, line: str) -> None:
         pass
 
 
@@ -79,8 +86,15 @@ class _Lines(_Silent):
         if made or self.each:
             self.say(f"[{self.done}/{self.total}] {job.target}: {_size(record) if made else 'up to date'}")
 
+    def failed(self, job: "Job", error: EmovidError) -> None:  # noqa: ARG002 - see Reporter
+        if self.total > 1:  # the failure of a single item ends the command
+            self.say(str(error))
+
     def died(self, job: "Job", attempt: int) -> None:
         self.say(f"{job.target}: its worker died, attempt {attempt}; another worker tries again")
+
+    def noted(self, line: str) -> None:
+        self.say(line)
 
     def close(self) -> None:
         make, made = ("render", "rendered") if self.each else ("make", "made")
@@ -112,7 +126,8 @@ class _Bars(_Lines):
         self.progress.update(self.whole, completed=self.done)
         self._end(job, over=True)
 
-    def failed(self, job: "Job") -> None:
+    def failed(self, job: "Job", error: EmovidError) -> None:
+        super().failed(job, error)
         self._end(job, over=True)
 
     def died(self, job: "Job", attempt: int) -> None:
@@ -138,7 +153,7 @@ def _size(record: "Record") -> str:
 def reporter(total: int, *, quiet: bool, each: bool = True) -> "Iterator[Reporter]":
     """Yield a reporter of progress for `total` items; `each` also names the items that are up to date."""
     if quiet:
-        yield _Silent()
+        yield _Silent(total)
     elif is_interactive():
         with _progress() as progress:
             bars = _Bars(total, progress, each=each)

@@ -9,13 +9,16 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
-from emovid.atomic_io import file_digest
-from emovid.batch import manifest, order, results
+import numpy as np
+
+from emovid.atomic_io import file_digest, writing
+from emovid.batch import manifest, results
 from emovid.batch.cache import Made, Reporter, find_current, make_missing, workers
 from emovid.batch.job import Job, Record
 from emovid.batch.manifest import Journal, read_manifest
 from emovid.batch.scheduler import Pool
-from emovid.errors import InputError
+from emovid.csv_writer import csv_text
+from emovid.errors import EmovidError, InputError
 from emovid.scene.difference import differences, differences_of
 from emovid.scene.load import Setting, find_scene, load_scene, scene_of, shipped_names
 from emovid.scene.model import Scene
@@ -26,6 +29,7 @@ from emovid.swarm.trajectory import Trajectory
 from emovid.video.encoder import FORMATS
 
 FOLDER = Path("videos")
+ORDER = "presentation_order.csv"
 _NAMED = 3  # keys named in the message about a result with other settings
 
 
@@ -98,7 +102,7 @@ def make_all(
         if not force:
             known |= _adopted(missing, pool)
         made = make_missing([job for job in missing if job.target not in known], report, pool)
-    return Made(known | made.records, made.failures)
+    return Made(known | made.records | made.elsewhere, failures=made.failures)
 
 
 def check_settings(jobs: Sequence[Job]) -> None:
@@ -184,10 +188,13 @@ class _Silent:
     def finished(self, job: Job, record: Record, *, made: bool) -> None:
         """See `Reporter`."""
 
-    def failed(self, job: Job) -> None:
+    def failed(self, job: Job, error: EmovidError) -> None:
         """See `Reporter`."""
 
     def died(self, job: Job, attempt: int) -> None:
+        """See `Reporter`."""
+
+    def noted(self, line: str) -> None:
         """See `Reporter`."""
 
 
@@ -209,7 +216,7 @@ def _is_manifest(data: bytes) -> bool:
 
 
 def _is_plan(data: bytes) -> bool:
-    return _has_only_keys(data, {"only", "scenes", "set", "list", "grid", "seeds"})
+    return _has_only_keys(data, {"file", "only", "scenes", "set", "list", "grid", "seeds"})
 
 
 def _has_only_keys(data: bytes, keys: set[str]) -> bool:
@@ -227,10 +234,18 @@ def _starts_with(head: str) -> Callable[[bytes], bool]:
 
 _FORMATS: Mapping[str, Callable[[bytes], bool]] = {
     manifest.NAME: _is_manifest,
-    results.PLAN: _is_plan,
+    manifest.PLAN: _is_plan,
     results.TABLE: _starts_with("item,name"),
-    order.NAME: _starts_with("position,emotion,video"),
+    ORDER: _starts_with("position,emotion,video"),
 }
+
+
+def write_presentation_order(jobs: Sequence[Job], seed: int) -> None:
+    """Write `presentation_order.csv` beside the videos of jobs: a random order, the same for the same seed."""
+    order = np.random.default_rng(seed).permutation(len(jobs))
+    rows = [(place, jobs[i].scene.emotion, jobs[i].target.name) for place, i in enumerate(order, start=1)]
+    with writing(jobs[0].target.parent / ORDER) as file:
+        file.write(csv_text(("position", "emotion", "video"), rows).encode())
 
 
 def format_of(output: Path | None) -> FormatName | None:

@@ -1,68 +1,164 @@
-"""A result from another machine counts only if the same versions made it and its file is here."""
+"""Results of jobs: checked before they take their place, made by the right versions, shared between parallel runs."""
 
+import json
+import os
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from emovid.batch.cache import make_missing
-from emovid.batch.job import Job
+from emovid.atomic_io import file_digest, owner
+from emovid.batch import manifest
+from emovid.batch.cache import find_current, is_current, make_missing
+from emovid.batch.job import Delivery, Job, Order, fulfil, make
+from emovid.batch.manifest import Journal, read_manifest
 from emovid.batch.workers import InProcess
+from emovid.errors import EmovidError
 from emovid.scene.model import Scene
+from tests.helpers.batches import Silent
+from tests.helpers.owners import PARENT
 
 
-class Silent:
-    def advanced(self, job, done, total) -> None: ...
-    def finished(self, job, record, *, made) -> None: ...
-    def failed(self, job) -> None: ...
-    def died(self, job, attempt) -> None: ...
+class Worker(InProcess):
+    """A worker whose deliveries are changed on their way."""
 
-
-class Elsewhere(InProcess):
-    """A worker on another machine: its files stay there, or it has other versions."""
-
-    def __init__(self, *, shares: bool = True, without: str = "", **versions: str) -> None:
+    def __init__(self, change=lambda delivery: delivery, *, is_remote: bool = False) -> None:
         super().__init__(lambda *_: None)
-        self.shares, self.without, self.versions = shares, without, versions
+        self.change, self.is_remote = change, is_remote
+        self.orders: list[Order] = []
 
     def submit(self, work, item):
-        return super().submit(lambda job, on_step: self._spoilt(work(job, on_step), job), item)
+        self.orders.append(item)
+        return super().submit(lambda order, on_step: self.change(work(order, on_step)), item)
 
-    def _spoilt(self, record, job):
-        if not self.shares:
-            job.target.unlink()
-        versions = record.versions | self.versions
-        return replace(record, versions={name: of for name, of in versions.items() if name != self.without})
+
+def changed(**facts):
+    return lambda delivery: replace(delivery, record=replace(delivery.record, **facts))
 
 
 @pytest.fixture
 def job(make_scene, tmp_path) -> Job:
     scene: Scene = make_scene("fear", {"duration": 0.5, "robots": 3})
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "fear.npz").write_bytes(b"the old one")
     return Job(scene, tmp_path / "out" / "fear.npz", only="trajectory")
 
 
 def failure(job: Job, pool: InProcess) -> str:
+    """Return the error of a job, whose old file must stay."""
     made = make_missing([job], Silent(), pool)
     assert made.records == {}
-    assert not (job.target.parent / "manifest.json").exists()
+    assert [path.name for path in job.target.parent.iterdir()] == ["fear.npz"]
+    assert job.target.read_bytes() == b"the old one"
     return str(made.failures[job.target])
 
 
-def test_a_worker_of_other_versions_is_named_with_them(job) -> None:
+def test_a_worker_refuses_to_start_with_other_versions(job) -> None:
+    expected = {"numpy": "1.0", "code": "abc"}
     here = job.recipe.versions
-    said = failure(job, Elsewhere(numpy="1.0", scipy="1.1"))
+    with pytest.raises(
+        Exception, match=rf"other versions: numpy {here['numpy']}, here 1\.0; code {here['code']}, here"
+    ):
+        fulfil(Order(job, expected, job.target.parent / "nowhere"))
+    assert job.target.read_bytes() == b"the old one"
+
+
+def test_a_result_of_other_versions_is_refused(job) -> None:
+    here = job.recipe.versions
+    said = failure(job, Worker(changed(versions={**here, "numpy": "1.0", "scipy": "1.1"})))
     expected = f"numpy 1.0, here {here['numpy']}; scipy 1.1, here {here['scipy']}"
     assert said == f"{job.target}: its worker has other versions: {expected}"
-    said = failure(job, Elsewhere(without="code"))
+    said = failure(job, Worker(changed(versions={name: of for name, of in here.items() if name != "code"})))
     assert said == f"{job.target}: its worker has other versions: code None, here {here['code']}"
 
 
-def test_a_worker_that_does_not_share_the_folder_is_said(job) -> None:
-    said = failure(job, Elsewhere(shares=False))
-    assert said == f"{job.target}: made, but not here: workers must share the output folder"
+def test_a_result_that_was_damaged_on_its_way_is_refused(job) -> None:
+    damaged = f"{job.target}: not what its worker recorded: it was damaged on its way"
+    assert failure(job, Worker(changed(sha256="0" * 64))) == damaged
+    cut = Worker(lambda delivery: replace(delivery, content={"": delivery.content[""][:-1]}), is_remote=True)
+    assert failure(job, cut) == damaged
+
+
+def test_a_result_from_elsewhere_travels(job, make_scene) -> None:
+    pool = Worker(is_remote=True)
+    assert make_missing([job], Silent(), pool).failures == {}
+    assert pool.orders[0].folder is None
+    assert file_digest(job.target) == read_manifest(job.target.parent)["fear.npz"].sha256
+    pictures = make_scene(
+        "fear", {"duration": 0.2, "video.fps": 10, "video.size": "96x64", "video.format": "png-sequence"}
+    )
+    sequence = Job(pictures, job.target.with_name("pictures"))
+    assert make_missing([sequence], Silent(), pool).failures == {}
+    assert sorted(path.name for path in sequence.target.iterdir()) == ["00000.png", "00001.png"]
+
+
+def test_an_error_of_a_worker_names_the_final_file(job) -> None:
+    job.target.parent.chmod(0o755)
+    order = Order(job, job.recipe.versions, job.target.parent / "missing")
+    with pytest.raises(EmovidError, match="cannot be written: no such file or directory") as error:
+        fulfil(order)
+    assert str(error.value).startswith(f"{job.target}: ")
 
 
 def test_no_jobs_make_no_folder(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    assert make_missing([], Silent(), InProcess(lambda *_: None)) == ({}, {})
+    made = make_missing([], Silent(), InProcess(lambda *_: None))
+    assert (made.records, made.failures) == ({}, {})
     assert list(Path().iterdir()) == []
+
+
+def test_files_that_are_up_to_date_get_the_date_of_now(job) -> None:
+    make_missing([job], Silent(), InProcess(lambda *_: None))
+    os.utime(job.target, (0, 0))
+    assert list(find_current([job], Silent())) == [job.target]
+    assert job.target.stat().st_mtime > 0
+
+
+def test_measurements_that_were_changed_are_not_current(make_scene, tmp_path) -> None:
+    job = Job(make_scene("fear", {"duration": 0.5, "robots": 3}), tmp_path / "m", only="measure")
+    record = make(job)
+    assert is_current(record, job)
+    assert not is_current(replace(record, descriptors={**record.descriptors, "speed_mean": 99.0}), job)
+
+
+# --- parallel runs ----------------------------------------------------------------------------------------------------
+
+
+class OtherRun:
+    """The journal of another live run, of which this process reads."""
+
+    def __init__(self, folder: Path) -> None:
+        self.path = folder / f".manifest.json.{PARENT}.journal"
+
+    def write(self, *entry: object) -> None:
+        with self.path.open("a") as file:
+            file.write(json.dumps(list(entry)) + "\n")
+
+
+def test_parallel_runs_share_their_jobs(make_scene, tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(manifest, "_PACE", 0)
+    scenes = [make_scene("fear", {"duration": 0.5, "robots": 3, "seed": seed}) for seed in (1, 2, 3)]
+    work = [Job(scene, tmp_path / str(scene.seed), only="measure") for scene in scenes]
+    other, report = OtherRun(tmp_path), Silent()
+    other.write("1")
+    other.write("2")
+
+    def finish_one(delivery: Delivery) -> Delivery:
+        other.write("1", make(work[0]).to_json())
+        other.path.rename(tmp_path / ".manifest.json.0123456789ab-2-2.journal")  # this run ends, another one goes on
+        os.utime(tmp_path / ".manifest.json.0123456789ab-2-2.journal", (0, 0))
+        return delivery
+
+    made = make_missing(work, report, Worker(finish_one))
+    assert report.made[0] == "3"
+    assert "1" in report.kept
+    assert set(made.elsewhere) | set(made.records) == {job.target for job in work}
+    assert sorted(read_manifest(tmp_path)) == ["1", "2", "3"]
+
+
+def test_a_claim_of_a_dead_run_counts_for_nothing(tmp_path) -> None:
+    (tmp_path / ".manifest.json.0123456789ab-2-2.journal").write_text('["a"]\n')
+    os.utime(tmp_path / ".manifest.json.0123456789ab-2-2.journal", (0, 0))
+    with Journal(tmp_path) as journal:
+        assert journal.claimed_elsewhere() == set()
+    assert owner() not in str(list(tmp_path.iterdir()))

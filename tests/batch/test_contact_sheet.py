@@ -10,8 +10,9 @@ from emovid.batch import contact_sheet
 from emovid.batch.contact_sheet import write_contact_sheet
 from emovid.batch.job import make
 from emovid.batch.manifest import Journal
-from emovid.batch.sweep import axes, items
+from emovid.batch.sweep import axes
 from emovid.batch.sweep_file import read_sweep
+from tests.helpers.batches import jobs
 
 WIDE, HIGH = 480, 270  # pixels of a picture: as wide as can be
 
@@ -24,12 +25,11 @@ def draw(tmp_path):
         text = f"only: trajectory\nscenes: [fear]\nset: {{duration: 0.25, robots: 2}}\n{varied}\n"
         (tmp_path / "sweep.yaml").write_text(text)
         sweep = read_sweep(tmp_path / "sweep.yaml")
-        every = items(sweep)
-        records = {item.name: make(item.job(tmp_path, sweep.only)) for item in every}
+        records = {job.target.name: make(job) for job in jobs(sweep, tmp_path)}
         with Journal(tmp_path) as journal:
             for name, record in records.items():
                 journal.add(name, record)
-        write_contact_sheet(tmp_path, every, axes(sweep), records, 1)
+        write_contact_sheet(tmp_path, list(records), axes(sweep), records, 1)
         return tmp_path / contact_sheet.NAME
 
     return draw_sheet

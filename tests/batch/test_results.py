@@ -1,4 +1,4 @@
-"""The table of a sweep: as CSV and as Parquet the same, whatever kinds of values are set."""
+"""The table of a sweep: equal as CSV and as Parquet, whatever types the values have."""
 
 import csv
 import json
@@ -7,8 +7,8 @@ import pytest
 
 from emovid.batch import results
 from emovid.batch.job import Record
-from emovid.batch.results import write_table
-from emovid.batch.sweep import items
+from emovid.batch.results import Table, table_of, write_table
+from emovid.batch.sweep import Items
 from emovid.batch.sweep_file import read_sweep
 
 SWEEP = """
@@ -25,27 +25,28 @@ CELLS = [
     {"robot.limits": '{"v_max": 1}', "video.trails.fade": "false", "snapshots": "[0, 1]"},
 ]
 
+EMPTY = Table(["item", "name"], [])
+
 
 @pytest.fixture
 def swept(tmp_path):
     (tmp_path / "sweep.yaml").write_text(SWEEP)
-    found = items(read_sweep(tmp_path / "sweep.yaml"))
-    write_table(
-        tmp_path, found, {item.name: Record("measure", descriptors={"speed": item.number / 2}) for item in found[:-1]}
-    )
+    items = Items(read_sweep(tmp_path / "sweep.yaml"))
+    records = {f"r{i}": Record("measure", descriptors={"speed": i / 2}) for i in (1, 2, 3)}  # the last is not finished
+    write_table(tmp_path, table_of(items, {i: f"r{i}" for i in (1, 2, 3)}, records))
     return tmp_path
 
 
-def test_cells_are_as_in_the_sweep(swept) -> None:
+def test_cells_are_the_settings_of_the_sweep(swept) -> None:
     with (swept / "results.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert [row["item"] for row in rows] == ["1", "2", "3"]  # the last is not finished
+    assert [row["item"] for row in rows] == ["1", "2", "3"]
     assert [row["speed"] for row in rows] == ["0.5", "1.0", "1.5"]
     for row, cells in zip(rows, CELLS, strict=True):
         assert {key: row[key] for key in list(row)[3:-1] if row[key]} == cells
 
 
-def test_parquet_says_the_same_and_keeps_numbers(swept) -> None:
+def test_parquet_has_the_same_cells_and_keeps_numbers(swept) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
     with (swept / "results.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
@@ -59,22 +60,19 @@ def test_parquet_says_the_same_and_keeps_numbers(swept) -> None:
 
 def test_without_pyarrow_there_is_no_parquet(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(results, "find_spec", lambda name: None)
-    write_table(tmp_path, [], {})
+    write_table(tmp_path, EMPTY)
     assert [path.name for path in tmp_path.iterdir()] == ["results.csv"]
 
 
-def test_a_sweep_with_nothing_finished_is_a_table_without_rows(tmp_path) -> None:
-    write_table(tmp_path, [], {})
+def test_a_sweep_with_nothing_finished_has_a_table_without_rows(tmp_path) -> None:
+    write_table(tmp_path, EMPTY)
     assert (tmp_path / "results.csv").read_text() == "item,name\n"
 
 
-def test_values_of_several_kinds_are_words_in_parquet(tmp_path) -> None:
+def test_values_of_several_types_are_text_in_parquet(tmp_path) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
     (tmp_path / "sweep.yaml").write_text("only: measure\nscenes: [fear, anger, sadness]\n")
-    found = items(read_sweep(tmp_path / "sweep.yaml"))
-    kinds = {
-        item.name: Record("measure", descriptors={"gait": gait})
-        for item, gait in zip(found, (1.5, "slow", None), strict=True)
-    }
-    write_table(tmp_path, found, kinds)
+    items = Items(read_sweep(tmp_path / "sweep.yaml"))
+    kinds = {f"r{i}": Record("measure", descriptors={"gait": gait}) for i, gait in enumerate((1.5, "slow", None), 1)}
+    write_table(tmp_path, table_of(items, {i: f"r{i}" for i in (1, 2, 3)}, kinds))
     assert parquet.read_table(tmp_path / "results.parquet")["gait"].to_pylist() == ["1.5", "slow", None]

@@ -9,10 +9,11 @@ import yaml
 from PIL import Image
 
 from emovid.batch import sweep as sweep_module
-from emovid.batch.sweep import axes, items, shard_of
+from emovid.batch.sweep import Items, axes, shard_of
 from emovid.batch.sweep_file import Sweep, read_sweep
 from emovid.errors import InputError, SourceError
 from emovid.scene.load import find_scene, load_scene
+from tests.helpers.batches import items
 
 ROOT = Path(__file__).parents[2]
 DRAWN = {"law": "coverage", "kappa": 1.0, "density": {"kind": "image", "file": "a.png", "smoothing": 0.05}}
@@ -28,23 +29,23 @@ def read(tmp_path):
 
 
 def cells(sweep: Sweep) -> list[tuple]:
-    return [tuple(item.cells.values()) for item in items(sweep)]
+    found = Items(sweep)
+    return [tuple(found.cells(number).values()) for number in range(1, len(found) + 1)]
 
 
 def test_every_scene_meets_every_entry_every_point_and_every_seed(read) -> None:
-    found = items(
-        read(
-            "scenes: [anger, fear]\nseeds: [3, 5]\ngrid: {robot.K: [2, 4], robot.l: [0.01]}\n"
-            "list:\n  - {duration: 2}\n  - {duration: 3, robots: 4}\n"
-        )
+    sweep = read(
+        "scenes: [anger, fear]\nseeds: [3, 5]\ngrid: {robot.K: [2, 4], robot.l: [0.01]}\n"
+        "list:\n  - {duration: 2}\n  - {duration: 3, robots: 4}\n"
     )
+    found, rows = items(sweep), cells(sweep)
     assert len(found) == 2 * 2 * 2 * 1 * 2
-    assert list(found[0].cells) == ["scene", "duration", "robots", "robot.K", "robot.l", "seed"]
-    assert list(found[0].cells.values()) == ["anger", 2, None, 2, 0.01, 3]
-    assert list(found[-1].cells.values()) == ["fear", 3, 4, 4, 0.01, 5]
+    assert Items(sweep).columns == ["scene", "duration", "robots", "robot.K", "robot.l", "seed"]
+    assert rows[0] == ("anger", 2, None, 2, 0.01, 3)
+    assert rows[-1] == ("fear", 3, 4, 4, 0.01, 5)
     assert [item.number for item in found] == list(range(1, 17))
     for item in found:
-        scene, cell = item.scene, item.cells
+        scene, cell = item.scene, Items(sweep).cells(item.number)
         assert (scene.emotion, scene.duration, scene.seed) == (cell["scene"], cell["duration"], cell["seed"])
         assert (scene.robot.K, scene.robot.l, scene.robots) == (cell["robot.K"], 0.01, cell["robots"] or 15)
 
@@ -52,7 +53,7 @@ def test_every_scene_meets_every_entry_every_point_and_every_seed(read) -> None:
 def test_keys_of_all_items_are_not_columns(read) -> None:
     sweep = read("scenes: [anger]\nset: {duration: 2}\n")
     (item,) = items(sweep)
-    assert item.cells == {"scene": "anger"}
+    assert Items(sweep).cells(1) == {"scene": "anger"}
     assert item.scene.duration == 2
 
 
@@ -121,10 +122,10 @@ def test_the_plan_is_the_same_sweep_without_other_files(read, tmp_path) -> None:
         "grid: {robot.K: {from: 1, to: 2, count: 3}}\nlist: [{robot.l: 0.01}, {robots: 3}]\n"
     )
     (tmp_path / "mine.yaml").unlink()
-    again = read(first.plan(), "plan.json")
-    assert [(a.name, a.cells) for a in items(again)] == [(b.name, b.cells) for b in items(first)]
+    again = read(first.plan(tmp_path).text, "plan.json")
+    assert [(a.name, a.point) for a in items(again)] == [(b.name, b.point) for b in items(first)]
     assert axes(again) == axes(first)
-    assert again.plan() == first.plan()
+    assert again.plan(tmp_path) == first.plan(tmp_path)
 
 
 def test_the_plan_holds_the_robots_and_pictures_of_its_scenes(read, tmp_path) -> None:
@@ -141,7 +142,7 @@ def test_the_plan_holds_the_robots_and_pictures_of_its_scenes(read, tmp_path) ->
         "list: [{robot.K: 2}, {robot.limits: null}, {robot.model: e_puck2}]\n"
     )
     named = [item.name for item in items(first)]
-    plan = first.plan()
+    plan = first.plan(tmp_path).text
     shutil.rmtree(scenes)
     assert [item.name for item in items(read(plan, "plan.json"))] == named
 
@@ -156,7 +157,7 @@ def test_the_plan_finds_files_that_are_set(read, tmp_path) -> None:
         "grid: {behaviour.density.file: [b.png, c.png]}\n"
     )
     (tmp_path / "elsewhere").mkdir()
-    again = read(first.plan(), "elsewhere/plan.json")
+    again = read(first.plan(tmp_path / "elsewhere").text, "elsewhere/plan.json")
     for one, other in zip(items(first), items(again), strict=True):
         assert one.scene.robot == other.scene.robot
         assert one.scene.behaviour.density.pixels == other.scene.behaviour.density.pixels

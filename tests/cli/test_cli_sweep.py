@@ -151,8 +151,8 @@ def test_a_failure_is_listed_and_the_others_are_made(capsys) -> None:
     Path("a", victim.name).mkdir(parents=True)
     assert sweep("-o", "a", "--jobs", 1) == 1
     said = capsys.readouterr().err.splitlines()
-    assert said[-3] == "a/results.csv: 7 of 8 items"
-    assert said[-2].startswith(f"{victim}: ")
+    assert [line.startswith(f"{victim}: ") for line in said[:8]].count(True) == 1  # when it happens
+    assert said[-2] == "a/results.csv: 7 of 8 items"
     assert said[-1] == "1 of 8 items failed: run again to make what is missing"
     assert len(rows("a")) == 7
 

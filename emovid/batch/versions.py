@@ -1,0 +1,118 @@
+"""Versions of everything that a result depends on: packages, ffmpeg, and our own code as it was imported."""
+
+import hashlib
+import platform
+import sys
+from collections.abc import Mapping
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Literal
+
+import emovid
+from emovid.errors import EmovidError
+from emovid.video.ffmpeg import version as ffmpeg_version
+
+RecordKind = Literal["video", "trajectory", "measure", "sheet"]
+Versions = Mapping[str, str]
+
+_ROOT = Path(emovid.__file__).parent
+_MODULES: Mapping[RecordKind, tuple[str, ...]] = {
+    "video": ("scene", "swarm", "video"),
+    "trajectory": ("scene", "swarm"),
+    "measure": ("scene", "swarm", "measure"),
+    "sheet": ("video", "figures", "batch"),
+}
+_PACKAGES: Mapping[RecordKind, tuple[str, ...]] = {
+    "video": ("numpy", "scipy", "matplotlib"),
+    "trajectory": ("numpy", "scipy"),
+    "measure": ("numpy", "scipy"),
+    "sheet": ("numpy", "matplotlib"),
+}
+
+_Stamp = tuple[int, int, int]
+
+
+class OtherVersionsError(EmovidError):
+    """A worker that would make a result with other versions than its client."""
+
+
+def versions(only: RecordKind) -> dict[str, str]:
+    """Return the versions that decide a kind of result, in this process; `code` is a digest of our own modules.
+
+    Raises:
+        EmovidError: if a module was edited near its import, so that nobody knows which code runs.
+    """
+    return {
+        **{name: _package_version(name) for name in ("emovid", *_PACKAGES[only])},
+        **({"ffmpeg": ffmpeg_version()} if only == "video" else {}),
+        "machine": platform.machine(),
+        "code": _SOURCES.digest(_MODULES[only]),
+    }
+
+
+def differences(there: Versions, here: Versions) -> str:
+    """Return the versions that differ, as in "numpy 2.4.5, here 2.4.6"; "" if none do."""
+    return "; ".join(f"{name} {there.get(name)}, here {here[name]}" for name in here if there.get(name) != here[name])
+
+
+def check_versions(only: RecordKind, expected: Versions) -> None:
+    """Raise an `OtherVersionsError` unless this process has the expected versions."""
+    if other := differences(versions(only), expected):
+        raise OtherVersionsError(f"its worker has other versions: {other}")
+
+
+def _package_version(name: str) -> str:
+    """Return the version of a package: that of the imported one, which an upgrade does not change."""
+    imported = getattr(sys.modules.get(name), "__version__", None) if name != "emovid" else None
+    return str(imported or _installed_version(name))
+
+
+@cache
+def _installed_version(name: str) -> str:
+    return version(name)
+
+
+class _Sources:
+    """The source files of our modules; their digest is of the code in memory, not of later edits."""
+
+    def __init__(self) -> None:
+        rooms = sorted({room for rooms in _MODULES.values() for room in rooms})
+        self._stamps = {path: _stamp(path) for room in rooms for path in sorted((_ROOT / room).glob("*.py"))}
+        self._imported: dict[Path, str] = {}  # digests of imported modules
+
+    def digest(self, rooms: tuple[str, ...]) -> str:
+        """Return a digest of all modules of some rooms."""
+        sha = hashlib.sha256()
+        for path in self._stamps:
+            if path.parent.name in rooms:
+                sha.update(self._digest(path).encode())
+        return sha.hexdigest()[:16]
+
+    def _digest(self, path: Path) -> str:
+        if path in self._imported:
+            return self._imported[path]
+        try:
+            stamp = _stamp(path)
+            digest = _content_digest(path, stamp)
+        except OSError:
+            stamp, digest = (0, 0, 0), "missing"
+        if ".".join(("emovid", path.parent.name, path.stem)) in sys.modules:
+            if stamp != self._stamps[path] or stamp[1] > emovid.IMPORTED_AT:
+                raise EmovidError(f"{path}: was edited while emovid was running: start this process again")
+            self._imported[path] = digest
+        return digest
+
+
+def _stamp(path: Path) -> _Stamp:
+    """Return the times of the last change of a file's content and status, and its size."""
+    stat = path.stat()
+    return stat.st_mtime_ns, stat.st_ctime_ns, stat.st_size
+
+
+@cache
+def _content_digest(path: Path, stamp: _Stamp) -> str:  # noqa: ARG001 - the stamp is part of the cache's key
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+_SOURCES = _Sources()
