@@ -9,14 +9,14 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Literal
 
-import emovid
 from emovid.errors import EmovidError
 from emovid.video.ffmpeg import version as ffmpeg_version
 
 RecordKind = Literal["video", "trajectory", "measure", "sheet"]
 Versions = Mapping[str, str]
 
-_ROOT = Path(emovid.__file__).parent
+_ROOT = Path(__file__).parent.parent
+_IMPORTED_AT: int = sys.modules["emovid"].IMPORTED_AT  # [ns]
 _MODULES: Mapping[RecordKind, tuple[str, ...]] = {
     "video": ("scene", "swarm", "video"),
     "trajectory": ("scene", "swarm"),
@@ -98,7 +98,7 @@ class _Sources:
         except OSError:
             stamp, digest = (0, 0, 0), "missing"
         if ".".join(("emovid", path.parent.name, path.stem)) in sys.modules:
-            if stamp != self._stamps[path] or stamp[1] > emovid.IMPORTED_AT:
+            if stamp != self._stamps[path] or stamp[1] > _IMPORTED_AT:
                 raise EmovidError(f"{path}: was edited while emovid was running: start this process again")
             self._imported[path] = digest
         return digest

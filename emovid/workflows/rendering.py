@@ -20,6 +20,7 @@ from emovid.batch.scheduler import Pool
 from emovid.csv_writer import csv_text
 from emovid.errors import EmovidError, InputError
 from emovid.scene.difference import differences, differences_of
+from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, find_scene, load_scene, scene_of, shipped_names
 from emovid.scene.model import Scene
 from emovid.scene.video import FormatName
@@ -241,9 +242,9 @@ _FORMATS: Mapping[str, Callable[[bytes], bool]] = {
 
 
 def write_presentation_order(jobs: Sequence[Job], seed: int) -> None:
-    """Write `presentation_order.csv` beside the videos of jobs: a random order, the same for the same seed."""
+    """Write `presentation_order.csv` beside the videos of the six emotions: a random order, fixed by the seed."""
     order = np.random.default_rng(seed).permutation(len(jobs))
-    rows = [(place, jobs[i].scene.emotion, jobs[i].target.name) for place, i in enumerate(order, start=1)]
+    rows = [(place, EMOTIONS[i], jobs[i].target.name) for place, i in enumerate(order, start=1)]
     with writing(jobs[0].target.parent / ORDER) as file:
         file.write(csv_text(("position", "emotion", "video"), rows).encode())
 

@@ -6,8 +6,10 @@ from types import SimpleNamespace
 
 import pytest
 
+from emovid.batch.job import Record
 from emovid.cli import terminal
 from emovid.cli.terminal import reporter
+from emovid.errors import EmovidError
 from tests.helpers.terminal import on_a_terminal
 
 
@@ -30,7 +32,7 @@ def test_there_is_a_bar_for_each_item_under_way_and_one_for_all(capsys) -> None:
         report.advanced(job("b.mp4"), 2, 4)
         report.advanced(job("a.mp4"), 3, 4)
         assert shown(report) == {"all": (0, 2), "a.mp4": (3, 4), "b.mp4": (2, 4)}
-        report.finished(job("a.mp4"), {"frames": 4}, made=True)
+        report.finished(job("a.mp4"), Record("video", frames=4), made=True)
         assert shown(report) == {"all": (1, 2), "b.mp4": (2, 4)}
     assert "[1/2] a.mp4: 4 frames" in capsys.readouterr().err
 
@@ -39,7 +41,9 @@ def test_there_is_a_bar_for_each_item_under_way_and_one_for_all(capsys) -> None:
 def test_a_report_that_comes_after_the_end_brings_no_bar_back(end) -> None:
     with reporter(2, quiet=False) as report:
         report.advanced(job("a.mp4"), 1, 4)
-        report.finished(job("a.mp4"), {"frames": 4}, made=True) if end == "finished" else report.failed(job("a.mp4"))
+        report.finished(job("a.mp4"), Record("video", frames=4), made=True) if end == "finished" else report.failed(
+            job("a.mp4"), EmovidError("a.mp4: no")
+        )
         report.advanced(job("a.mp4"), 4, 4)
         assert "a.mp4" not in shown(report)
 
@@ -62,13 +66,14 @@ def test_an_item_whose_worker_died_before_it_began_has_no_bar_to_end(capsys) -> 
         assert shown(report)["a.mp4"] == (1, 4)
 
 
-def test_who_is_quiet_says_nothing_of_anything(capsys) -> None:
+def test_quiet_reports_failures_only(capsys) -> None:
     with reporter(2, quiet=True) as report:
         report.advanced(job("a.mp4"), 3, 4)
         report.died(job("a.mp4"), 1)
-        report.failed(job("a.mp4"))
-        report.finished(job("b.mp4"), {"frames": 4}, made=True)
-    assert capsys.readouterr() == ("", "")
+        report.failed(job("a.mp4"), EmovidError("a.mp4: no"))
+        report.noted("no workers yet")
+        report.finished(job("b.mp4"), Record("video", frames=4), made=True)
+    assert capsys.readouterr() == ("", "a.mp4: no\n")
 
 
 def test_one_item_needs_no_bar_for_all() -> None:

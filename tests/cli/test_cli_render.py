@@ -124,12 +124,14 @@ def test_the_manifest_says_how_a_video_was_made() -> None:
 
 def test_what_is_up_to_date_is_not_made_again(capsys) -> None:
     render("--emotion", "anger")
-    made = Path("videos/anger.mp4").stat().st_mtime_ns
+    made = Path("videos/anger.mp4").stat()
     capsys.readouterr()
     assert render("--emotion", "anger") == 0
     said = capsys.readouterr().err
     assert said == "[1/1] videos/anger.mp4: up to date\nnothing to render: all is up to date\n"
-    assert Path("videos/anger.mp4").stat().st_mtime_ns == made
+    again = Path("videos/anger.mp4").stat()
+    assert again.st_ino == made.st_ino
+    assert again.st_mtime_ns >= made.st_mtime_ns  # its date is new, for make
 
 
 @pytest.mark.parametrize(
@@ -404,8 +406,8 @@ def test_an_output_that_cannot_be_is_one_line(tmp_path, capsys) -> None:
 def test_the_others_are_made_when_one_fails(tmp_path, capsys) -> None:
     Path("videos/fear.mp4").mkdir(parents=True)
     assert render("--all", "--jobs", "2") == 1
-    why, summary = capsys.readouterr().err.splitlines()[-2:]
-    assert why.startswith("videos/fear.mp4: ")
-    assert summary == "1 of 6 videos failed: run again to make what is missing"
+    said = capsys.readouterr().err.splitlines()
+    assert [line.startswith("videos/fear.mp4: ") for line in said].count(True) == 1
+    assert said[-1] == "1 of 6 videos failed: run again to make what is missing"
     assert sorted(manifest(Path("videos"))) == sorted(f"{name}.mp4" for name in EMOTIONS if name != "fear")
     assert [name for name in names(Path("videos")) if name.endswith(".part")] == []
