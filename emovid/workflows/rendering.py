@@ -243,8 +243,9 @@ _FORMATS: Mapping[str, Callable[[bytes], bool]] = {
 
 def write_presentation_order(jobs: Sequence[Job], seed: int) -> None:
     """Write `presentation_order.csv` beside the videos of the six emotions: a random order, fixed by the seed."""
-    order = np.random.default_rng(seed).permutation(len(jobs))
-    rows = [(place, EMOTIONS[i], jobs[i].target.name) for place, i in enumerate(order, start=1)]
+    videos = list(zip(EMOTIONS, jobs, strict=True))
+    order = np.random.default_rng(seed).permutation(len(videos))
+    rows = [(place, videos[i][0], videos[i][1].target.name) for place, i in enumerate(order, start=1)]
     with writing(jobs[0].target.parent / ORDER) as file:
         file.write(csv_text(("position", "emotion", "video"), rows).encode())
 
