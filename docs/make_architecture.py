@@ -20,11 +20,11 @@ PLACES = {
     "measure": (0, 2),
     "video": (1, 2),
     "report": (2, 1),
-    "kit": (3, 2),
-    "batch": (0, 3),
-    "figures": (1, 3),
-    "survey": (3, 3),
-    "platforms": (2, 3),
+    "kit": (3, 3),
+    "platforms": (1, 3),
+    "figures": (2, 3),
+    "survey": (3, 4),
+    "batch": (0, 4),
 }
 JOINING = ("workflows", "cli")
 SUBJECTS = {
