@@ -6,6 +6,7 @@ from pathlib import Path
 
 from emovid.csv_reader import Table, joined_table
 from emovid.errors import SourceError, quoted
+from emovid.responses.choice_columns import with_choices
 from emovid.responses.columns import column, holds_answers, label_columns, video_column
 from emovid.responses.dialects.registry import Dialect, dialect_of
 from emovid.responses.dialects.tables import code_in, codes_of_rows
@@ -68,7 +69,7 @@ def describe_columns(
         SourceError: for a file that is not a table, and for an invalid key or map.
     """
     known = known_from(key, mapping, labels)
-    tables = _tables(path, known) if path.is_dir() else [(open_table(path)[0], None)]
+    tables = _tables(path, known) if path.is_dir() else [(with_choices(open_table(path)[0], known), None)]
     known = replace(known, file_names=short_names(table.file for table, _ in tables))
     dialect, problem, raw = "", "", None
     try:
@@ -90,7 +91,7 @@ def _tables(folder: Path, known: Known) -> list[tuple[Table, Dialect | None]]:
     found: list[tuple[Table, Dialect | None]] = []
     for file in files_in(folder):
         try:
-            table, _ = open_table(file)
+            table = with_choices(open_table(file)[0], known)
             dialect = dialect_of(table, known)
         except SourceError:
             continue

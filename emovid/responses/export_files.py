@@ -67,7 +67,7 @@ def _workbook(data: bytes, path: Path, sheet: str) -> Table:
         if sheet and sheet not in names:
             hint = nearest(sheet, names)
             raise SourceError(str(path), f"no sheet {sheet}{hint}; expected one of {', '.join(names)}")
-        frame = book.parse(sheet or names[0], header=None, dtype=object)
+        frame = pd.read_excel(book, sheet_name=sheet or names[0], header=None, dtype=object)
     rows = [(line, [_cell(value) for value in row]) for line, row in enumerate(frame.itertuples(index=False), start=1)]
     filled = [row for row in rows if any(row[1])]
     if not filled:

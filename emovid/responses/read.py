@@ -10,6 +10,7 @@ import pandas as pd
 from emovid.csv_reader import Rejected, Table, joined_table
 from emovid.errors import SourceError, nearest, quoted
 from emovid.responses.answer_validation import COLUMNS, NO_ANSWER, TWICE, ValidAnswers, valid_answers
+from emovid.responses.choice_columns import with_choices
 from emovid.responses.dialects.registry import Dialect, dialect_of
 from emovid.responses.export_files import files_in, open_table, short_names
 from emovid.responses.key import read_key
@@ -115,6 +116,7 @@ def _open(file: Path, known: Known) -> _File:
     if file.suffix == ".json" and twin.exists():
         raise SourceError(str(file), f"the same data as {twin.name}")
     table, digest = open_table(file)
+    table = with_choices(table, known)
     return _File(table, dialect_of(table, known), digest)
 
 

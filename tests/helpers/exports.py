@@ -5,6 +5,8 @@ import io
 import json
 from dataclasses import dataclass, field
 
+import pandas as pd
+
 EMOTIONS = ("happiness", "surprise", "anger", "fear", "disgust", "sadness")
 CODES = dict(zip(("z8r4", "k2m9", "p5t1", "w7c3", "h6x8", "q4n2"), EMOTIONS, strict=True))
 PEOPLE = tuple(f"P{i:02}" for i in range(1, 9))
@@ -38,6 +40,7 @@ class Export:
     gender: str = "gender"
     positions: bool = False
     skipped: int = 0
+    left_out: dict[str, int] = field(default_factory=dict)
 
 
 def table(rows, delimiter=",", eol="\r\n", quoting=csv.QUOTE_MINIMAL) -> str:
@@ -368,6 +371,228 @@ def revisit() -> Export:
     return Export({"tidy.csv": table(rows, eol="\n").encode()}, "reVISit", "", {"partial": 1}, positions=True)
 
 
+def jspsych_6() -> Export:
+    head = ["rt", "stimulus", "button_pressed", "trial_type", "trial_index", "internal_node_id", "subject", "responses"]
+    rows = [head]
+    for p in PEOPLE:
+        rows.append(["900", "<p>Hi</p>", "0", "html-button-response", "0", "0.0-0.0", p, ""])
+        rows.append(["9000", "", "", "survey-multi-choice", "1", "0.0-1.0", p, json.dumps({"gender": GENDER[p]})])
+        for k, c in enumerate(ORDER[p], start=2):
+            pressed, node = EMOTIONS.index(ANSWERS[p][c]), f"0.0-2.0-{k}.0"
+            rows.append(["1700.4", f'["videos/{c}.mp4"]', pressed, "video-button-response", k, node, p, ""])
+    return Export({"all.csv": quoted(rows).encode()}, "jsPsych", JS_MAP, positions=True)
+
+
+def opensesame() -> Export:
+    head = ["count_experimental_loop", "correct_response", "gender", "live_row", "opensesame_version", "practice"]
+    head += ["response", "response_time", "response_emotion_key", "subject_nr", "subject_parity", "video"]
+    files = {}
+    for i, p in enumerate(PEOPLE):
+
+        def row(k, c, answer, practice, i=i, p=p):
+            key = NUMBERS[answer]
+            return [k, "NA", GENDER[p], k, "4.0.13", practice, key, "812", key, i, i % 2, f"{c}.mp4"]
+
+        rows = [head, row(0, "z8r4", "fear", "yes"), row(1, "k2m9", "fear", "yes")]
+        rows += [row(k, c, ANSWERS[p][c], "no") for k, c in enumerate(ORDER[p], start=2)]
+        files[f"subject-{i}.csv"] = quoted(rows, eol="\n").encode()
+    return Export(files, "OpenSesame", map_of(NUMBERS), left_out={"practice": 16}, positions=True)
+
+
+def eprime() -> Export:
+    head = ["ExperimentName", "Subject", "Session", "gender", "Procedure[Block]", "Trial", "Video", "Question.RESP"]
+    rows = [[*head, "Question.RT", "Question.CRESP"]]
+    for i, p in enumerate(PEOPLE, start=1):
+        about = ["emo", i, 1, GENDER[p]]
+        rows.append([*about, "PracticeProc", 1, "z8r4.mp4", 5, 900, 1])
+        rows += [[*about, "MainProc", k, f"{c}.mp4", NUMBERS[ANSWERS[p][c]], 900, NUMBERS[CODES[c]]]
+                 for k, c in enumerate(ORDER[p], start=1)]  # fmt: skip
+    data = "C:\\Data\\merged.emrg3\r\n" + table(rows, delimiter="\t")
+    export = Export({"merged.txt": data.encode("utf-16")}, "E-Prime", map_of(NUMBERS), positions=True)
+    export.left_out = {"practice": 8}
+    return export
+
+
+def gorilla() -> Export:
+    head = ["Event Index", "UTC Timestamp", "Participant Public ID", "Participant Private ID", "Participant Status"]
+    head += ["Task Name", "Trial Number", "Screen Name", "Zone Type", "Reaction Time", "Response", "Attempt", "Correct"]
+    rows = [[*head, "display", "ANSWER", "video", "gender"]]
+    for i, p in enumerate([*PEOPLE, "X1", "X2"]):
+        status = {"X1": "rejected", "X2": "in progress"}.get(p, "complete")
+        about = ["1", "1588000000", "BLIND", str(900 + i), status, "emotions"]
+        sex = GENDER.get(p, "Male")
+        rows.append(
+            [*about, "1", "Screen 1", "response_button_text", "900", "Fear", "1", "0", "practice", "", "z8r4.mp4", sex]
+        )
+        for k, c in enumerate(ORDER.get(p, ORDER["P01"]), start=1):
+            right = [CODES[c], f"{c}.mp4", sex]
+            rows.append([*about, k, "Video", "content_video", "3000.1", "", "", "", "main", *right])
+            label = ANSWERS.get(p, ANSWERS["P01"])[c].title()
+            rows.append([*about, k, "Answer", "response_button_text", "812.5", label, "1", "1", "main", *right])
+    dropped = {"partial": 1, "rejected": 1}
+    export = Export({"data_exp_1-v2_task.csv": table(rows).encode("utf-8-sig")}, "Gorilla", "", dropped, positions=True)
+    export.left_out = {"practice": 10}
+    return export
+
+
+def labvanced() -> Export:
+    head = [
+        "Rec_Session_Id",
+        "Exp_Subject_Id",
+        "Group_Id",
+        "Session_Nr",
+        "Block_Nr",
+        "Block_Name",
+        "Task_Nr",
+        "Task_Name",
+    ]
+    rows = [[*head, "Trial_Nr", "Condition_Id", "Video", "Emotion_Choice", "gender"]]
+    for i, p in enumerate(PEOPLE, start=1):
+        about = [i, i, 1, 1]
+        rows.append([*about, 1, "Practice", 1, "emo", 1, 1, "z8r4.mp4", "Disgust", GENDER[p]])
+        rows += [[*about, 2, "Main", 1, "emo", k, k, f"{c}.mp4", ANSWERS[p][c].title(), GENDER[p]]
+                 for k, c in enumerate(ORDER[p], start=1)]  # fmt: skip
+    export = Export({"experiment_data.csv": quoted(rows).encode()}, "Labvanced", positions=True)
+    export.left_out = {"practice": 8}
+    return export
+
+
+def pcibex() -> Export:
+    names = [
+        "Results reception time",
+        "MD5 hash of participant's IP address",
+        "Controller name",
+        "Order number of item",
+    ]
+    names += ["Inner element number", "Label", "Latin Square Group", "PennElementType", "PennElementName", "Parameter"]
+    names += ["Value", "EventTime"]
+
+    def comments(*more):
+        return [f"# {i}. {name}." for i, name in enumerate([*names, *more, "Comments"], start=1)]
+
+    lines = []
+    for i, p in enumerate(PEOPLE):
+        start = f"{1796033472 + i},9d5ed678fe57{i},PennController"
+        lines += ["# Results on Monday, 30 Nov 2026", "# USER AGENT: Mozilla/5.0", "#"]
+        lines += ["# Columns below this comment are as follows:", *comments("gender")]
+        lines.append(f"{start},0,0,practice,NULL,Scale,emotion,Choice,Fear,1796033400,{GENDER[p]},NULL")
+        for k, c in enumerate(ORDER[p], start=1):
+            trial = f"{start},{k},0,trial,NULL"
+            lines.append(f"{trial},PennController,{k},_Trial_,Start,17960334{k}0,{GENDER[p]},NULL")
+            lines.append(f"{trial},Video,{c}.mp4,Play,NULL,17960334{k}1,{GENDER[p]},NULL")
+            lines.append(f"{trial},Scale,emotion,Choice,{ANSWERS[p][c].title()},17960334{k}2,{GENDER[p]},Wait success")
+            lines.append(f"{trial},PennController,{k},_Trial_,End,17960334{k}3,{GENDER[p]},NULL")
+    export = Export({"results.csv": "\n".join(lines).encode()}, "PCIbex", positions=True)
+    export.left_out = {"practice": 8}
+    return export
+
+
+SOSCI = ["CASE", "SERIAL", "QUESTNNR", "MODE", "STARTED", "FINISHED", "LASTPAGE", "TIME001", "SD01"]
+
+
+def sosci() -> Export:
+    rows = [[*SOSCI, *(f"E10{j}" for j in range(1, 7))]]
+    for i, p in enumerate([*PEOPLE, "X1", "X2"]):
+        mode, finished = {"X1": ("pretest", 1), "X2": ("interview", 0)}.get(p, ("interview", 1))
+        answers = [NUMBERS[label] for label in ANSWERS.get(p, ANSWERS["P01"]).values()]
+        sex = GENDER.get(p, "Male")
+        rows.append([101 + i, "", "base", mode, "2026-03-02 10:11:12", finished, 8, 12, sex, *answers])
+    said = f"videos: {{{', '.join(f'E10{j}: {c}' for j, c in enumerate(CODES, start=1))}}}\n"
+    said += "groups: {gender: SD01}\n" + map_of(NUMBERS)
+    data = quoted(rows, delimiter=";").encode()
+    return Export({"rdata_emo.csv": data}, "SoSci Survey", said, {"test run": 1, "partial": 1})
+
+
+def unipark() -> Export:
+    rows = [
+        ["lfdn", "external_lfdn", "tester", "dispcode", "lastpage", "duration", *(f"v_{c}" for c in CODES), "gender"]
+    ]
+    for i, p in enumerate([*PEOPLE, "X1", "X2"], start=1):
+        tester, code = {"X1": (1, 31), "X2": (0, 22)}.get(p, (0, 31))
+        answers = [NUMBERS[label] for label in ANSWERS.get(p, ANSWERS["P01"]).values()]
+        rows.append([i, 0, tester, code, 9, 120, *answers, GENDER.get(p, "Male")])
+    data = table(rows, delimiter=";").encode()
+    return Export({"data_project_1.csv": data}, "Unipark", map_of(NUMBERS), {"test run": 1, "partial": 1})
+
+
+def redcap() -> Export:
+    rows = [["record_id", "redcap_survey_identifier", "emotions_timestamp", "gender", *(f"vid_{c}" for c in CODES)]]
+    rows[0].append("emotions_complete")
+    for i, p in enumerate([*PEOPLE, "X1"], start=1):
+        answers = [NUMBERS[label] for label in ANSWERS.get(p, ANSWERS["P01"]).values()]
+        rows.append([i, "", "2026-03-02 10:11", GENDER.get(p, "Male"), *answers, 0 if p == "X1" else 2])
+    return Export({"Emotions_DATA.csv": table(rows).encode()}, "REDCap", map_of(NUMBERS), {"partial": 1})
+
+
+def redcap_checkboxes() -> Export:
+    head = ["Record ID", "Survey Identifier", "Survey Timestamp", "gender"]
+    head += [f"Which emotion in video {c}? (choice={label.title()})" for c in CODES for label in EMOTIONS]
+    rows = [[*head, "Complete?"]]
+    for i, p in enumerate([*PEOPLE, "X1"], start=1):
+        given = ANSWERS.get(p, ANSWERS["P01"])
+        ticks = ["Checked" if given[c] == label else "Unchecked" for c in CODES for label in EMOTIONS]
+        state = "Incomplete" if p == "X1" else "Complete"
+        rows.append([i, "", "2026-03-02 10:11", GENDER.get(p, "Male"), *ticks, state])
+    return Export({"Emotions_DATA_LABELS.csv": quoted(rows).encode()}, "REDCap", "", {"partial": 1})
+
+
+def typeform() -> Export:
+    rows = [["#", "gender", *(f"Which emotion does video {c} show?" for c in CODES)]]
+    rows[0] += ["Response Type", "Start Date (UTC)", "Stage Date (UTC)", "Submit Date (UTC)", "Network ID", "Tags"]
+    for p in [*PEOPLE, "X1"]:
+        kind = "started" if p == "X1" else "completed"
+        times = [kind, "2026-03-02 10:11:12", "", "2026-03-02 10:14:12", "a1b2c3", ""]
+        answers = [label.title() for label in ANSWERS.get(p, ANSWERS["P01"]).values()]
+        rows.append([f"tok{p}", GENDER.get(p, "Male"), *answers, *times])
+    return Export({"responses.csv": table(rows).encode()}, "Typeform", "", {"partial": 1})
+
+
+MTURK = ["HITId", "Title", "AssignmentId", "WorkerId", "AssignmentStatus", "AcceptTime", "WorkTimeInSeconds"]
+
+
+def _mturk(head, cells):
+    rows = [[*MTURK, "Input.video_url", *head, "Answer.gender", "Approve", "Reject"]]
+    for p in [*PEOPLE, "X1"]:
+        for c in ORDER.get(p, ORDER["P01"]):
+            label, status = ANSWERS.get(p, ANSWERS["P01"])[c], "Rejected" if p == "X1" else "Approved"
+            about = [f"H{c}", "Emotions", f"A{p}{c}", f"W{p}", status, "Mon Mar 02", "60", f"https://x.org/{c}.mp4"]
+            rows.append([*about, *cells(label), GENDER.get(p, "Male"), "", ""])
+    return Export({"Batch_1_batch_results.csv": quoted(rows).encode()}, "MTurk", left_out={"rejected": 6})
+
+
+def mturk() -> Export:
+    return _mturk(["Answer.emotion.label"], lambda label: [label.title()])
+
+
+def mturk_choices() -> Export:
+    heads = [f"Answer.emotion.{label.title()}" for label in EMOTIONS]
+    return _mturk(heads, lambda label: ["true" if label == one else "false" for one in EMOTIONS])
+
+
+def mturk_json() -> Export:
+    return _mturk(["Answer.taskAnswers"], lambda label: [json.dumps([{"emotion": {"label": label.title()}}])])
+
+
+def choices_long() -> Export:
+    rows = [["participant", "video", *(f"felt_{label}" for label in EMOTIONS), "gender"]]
+    for p in PEOPLE:
+        rows += [[p, f"{c}.mp4", *(int(ANSWERS[p][c] == label) for label in EMOTIONS), GENDER[p]] for c in ORDER[p]]
+    return Export({"long.csv": table(rows).encode()}, "long table")
+
+
+def choices_wide() -> Export:
+    rows = [["id", "gender", *(f"{c}[{label}]" for c in CODES for label in EMOTIONS)]]
+    rows += [[p, GENDER[p], *(int(ANSWERS[p][c] == e) for c in CODES for e in EMOTIONS)] for p in PEOPLE]
+    return Export({"wide.csv": table(rows).encode()}, "wide table")
+
+
+def workbook() -> Export:
+    rows = wide(["id"], lambda i, _: [i + 1], [f"video {c}" for c in CODES], ADJECTIVES.get)
+    out = io.BytesIO()
+    pd.DataFrame(rows[1:], columns=rows[0]).to_excel(out, index=False)
+    return Export({"answers.xlsx": out.getvalue()}, "wide table")
+
+
 EXPORTS = (
     own,
     generic_long,
@@ -396,4 +621,21 @@ EXPORTS = (
     pymushra,
     formr,
     revisit,
+    jspsych_6,
+    opensesame,
+    eprime,
+    gorilla,
+    labvanced,
+    pcibex,
+    sosci,
+    unipark,
+    redcap,
+    redcap_checkboxes,
+    typeform,
+    mturk,
+    mturk_choices,
+    mturk_json,
+    choices_long,
+    choices_wide,
+    workbook,
 )

@@ -12,8 +12,8 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from emovid.csv_reader import read_table
 from emovid.errors import SourceError
+from emovid.responses.export_files import open_table
 from emovid.responses.read import read_responses
 from tests.helpers.exports import CODES, COUNTS, EMOTIONS, EXPORTS, KEY, Export
 
@@ -47,8 +47,11 @@ class Change:
     def __init__(self, seed: int, rows: bool, columns: bool, added: str, renamed: bool) -> None:
         self.seed, self.rows, self.columns, self.added, self.renamed = seed, rows, columns, added, renamed
 
-    def table(self, data: bytes, headers: int, names: dict[str, str]) -> bytes:
-        table = read_table(data, "x")
+    def table(self, file: str, data: bytes, headers: int, names: dict[str, str]) -> bytes:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / file
+            path.write_bytes(data)
+            table, _ = open_table(path)
         rows = [list(table.names), *table.cells.to_numpy().tolist()]
         rows[0] = [names.get(cell, cell) for cell in rows[0]]
         if self.added:
@@ -88,15 +91,12 @@ def changed(name: str, change: Change) -> Export:
     if mapping.get("groups"):
         mapping["groups"] = {group: names.get(title, title) for group, title in mapping["groups"].items()}
     export.map = yaml.safe_dump(mapping, allow_unicode=True) if mapping else ""
-    is_json = {file: data.lstrip()[:1] in (b"[", b"{") for file, data in export.files.items()}
-    export.files = {
-        file: data
-        if not data
-        else change.trials(data)
-        if is_json[file]
-        else change.table(data, headers_of(name), names)
-        for file, data in export.files.items()
-    }
+    for file, data in list(export.files.items()):
+        if data:
+            del export.files[file]
+            is_json = data.lstrip()[:1] in (b"[", b"{")
+            table = change.trials(data) if is_json else change.table(file, data, headers_of(name), names)
+            export.files[file.replace(".xlsx", ".csv")] = table
     return export
 
 

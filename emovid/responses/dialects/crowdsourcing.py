@@ -12,9 +12,8 @@ from emovid.errors import SourceError
 from emovid.responses.columns import Format, video_column
 from emovid.responses.dialects.jspsych import json_object, table_of_objects, text_of
 from emovid.responses.dialects.tables import read_long, read_wide, video_columns
-from emovid.responses.exclusions import TRUE, Marks, says
-from emovid.responses.labels import number, plain
-from emovid.responses.parsed_export import Column, Known, ParsedExport, no_answers
+from emovid.responses.exclusions import Marks, says
+from emovid.responses.parsed_export import Known, ParsedExport, no_answers
 from emovid.responses.participants import groups_of_pairs
 
 _PSITURK_ID = re.compile(r"[^\s:]+:[^\s:]+")
@@ -80,8 +79,6 @@ def recognizes_mturk(table: Table, _: Known) -> bool:
 def read_mturk(table: Table, known: Known) -> ParsedExport:
     """Read one row for each assignment; rejected assignments are left out."""
     table = _with_task_answers(table)
-    if not known.mapping.response:
-        table = combined_choices(table, known, _ANSWER)
     answers = tuple(name for name in table.names if name.startswith(_ANSWER[:-1]))
     inputs = tuple(name for name in table.names if name.startswith("Input."))
     form = Format(inputs, answers, (), ("WorkerId",), lambda name: name not in answers)
@@ -125,50 +122,3 @@ def _flat(answers: dict[str, object], prefix: str = "") -> list[tuple[str, str]]
         else:
             pairs.append((prefix + name, text_of(value)))
     return pairs
-
-
-def combined_choices(table: Table, known: Known, prefix: str = "") -> Table:
-    """Return the table with a column of labels for each set of columns of 0 and 1, one for each option.
-
-    The names of these columns differ in a label only, as in `Answer.emotion.happiness` and `Answer.emotion.fear`.
-    """
-    groups: dict[str, dict[int, str]] = {}
-    for place, name in enumerate(table.names):
-        if name.startswith(prefix) and _is_ticks(table.cells[place]) and (split := _option(name, known)):
-            groups.setdefault(split[0], {})[place] = split[1]
-    for base, options in groups.items():
-        if len(options) > 1 and len(set(options.values())) == len(options):
-            table = table.with_column(base, _ticked(table, options))
-    return table
-
-
-def _is_ticks(cells: Column) -> bool:
-    return {plain(number(str(cell))) for cell in cells.unique()} <= {
-        "",
-        *TRUE,
-        "false",
-        "0",
-        "no",
-        "checked",
-        "unchecked",
-    }
-
-
-def _option(name: str, known: Known) -> tuple[str, str] | None:
-    """Return the rest and the label of a name such as `z8r4_happiness`."""
-    parts = re.split(r"([^\W_]+)", name)
-    found = [i for i in range(1, len(parts), 2) if known.labels.is_label(parts[i])]
-    if len(found) != 1:
-        return None
-    rest = "".join(parts[: found[0]] + parts[found[0] + 1 :]).strip(" ._-[]()/:")
-    return rest or "choice", known.labels.find(parts[found[0]]) or ""
-
-
-def _ticked(table: Table, options: dict[int, str]) -> Column:
-    """Return the label that is ticked in each row; several are joined, which is not a label."""
-    chosen = pd.Series("", index=table.cells.index, dtype="str")
-    for place, label in options.items():
-        cells = table.cells[place]
-        ticked = cells.isin([cell for cell in cells.unique() if plain(number(str(cell))) in (*TRUE, "checked")])
-        chosen = chosen.mask(ticked & (chosen != ""), chosen + "; " + label).mask(ticked & (chosen == ""), label)
-    return chosen

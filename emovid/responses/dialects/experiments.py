@@ -87,7 +87,7 @@ def read_opensesame(table: Table, known: Known) -> ParsedExport:
 _OPENSESAME_TOOL = (
     r"count_|time_|response|acc(uracy)?$|average_response|avg_rt|correct|datetime|description|experiment_|form_|"
     r"canvas_|compensation|disable|display_|font_|foreground|background|fullscreen|height|width|keyboard_|mouse_|"
-    r"live_row|logfile|opensesame_|psychopy_|repeat_cycle|round_decimals|sampler_|sound_|start|subject_parity|synth_|"
+    r"live_row|logfile|practice$|opensesame_|psychopy_|repeat_cycle|round_decimals|sampler_|sound_|start|subject_parity|synth_|"
     r"title|total_|transparent|uniform_|color_|clock_|coordinates|bidi|sketchpad|jobs_|pool_|width|cycle"
 )
 
