@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from emovid.errors import SourceError
 from emovid.kit.orders import Scheme
-from emovid.kit.texts import Language, Link, Name, Text, TextList, Texts
+from emovid.kit.texts import Language, Link, Name, Parameter, Text, TextList, Texts
 from emovid.responses.labels import NONE, Labels, plain
 from emovid.responses.responses import RECORDED, SURVEY_COLUMNS
 from emovid.scene.fields import MAX_DURATION
@@ -15,6 +15,12 @@ from emovid.scene.video import MAX_FPS
 from emovid.yaml_models import Keys, inconsistent
 
 MAX_VIDEOS = 200
+_PARAMETERS = {  # of the addresses that recruitment services make
+    "prolific": ("PROLIFIC_PID", "STUDY_ID", "SESSION_ID"),
+    "sona": ("id",),
+    "mturk": ("workerId", "assignmentId", "hitId"),
+    "cloudresearch": ("participantId", "assignmentId", "projectId"),
+}
 _COMMON = ("video", "video.size", "video.fps", "video.format", "duration", "emotion")  # keys of the study itself
 # Columns of stimuli.csv.
 _FACTS = ("video_code", "true_emotion", "source", "exemplar", "seed", "mirror", "half_turn", "turn")
@@ -25,6 +31,19 @@ _TAKEN = dict.fromkeys(_COLUMNS, "is a column of the data") | dict.fromkeys(_PAG
 SceneKeys = dict[str, Any]
 
 
+class NumberRange(Keys):
+    """A range of whole numbers."""
+
+    low: int = Field(description="smallest number")
+    high: int = Field(description="largest number")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.low > self.high:
+            raise inconsistent("high", f"{self.high}: expected at least {self.low}")
+        return self
+
+
 class Question(Keys):
     """A question about the participant."""
 
@@ -33,7 +52,20 @@ class Question(Keys):
     choices: Annotated[tuple[Text, ...], Field(strict=False, min_length=2)] | None = Field(
         None, description="answers to choose from; null: a line of text"
     )
+    several: bool = Field(False, description="whether participants may choose more than one answer")
+    number: NumberRange | None = Field(None, description="instead of text: a number in this range")
+    long: bool = Field(False, description="several lines of text, up to 5000 characters")
     required: bool = Field(True, description="whether an answer is required")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.several and self.choices is None:
+            raise inconsistent("several", "true without choices: expected choices to choose from")
+        if sum((self.choices is not None, self.number is not None, self.long)) > 1:
+            raise inconsistent("name", "expected only one of choices, number and long")
+        if self.choices and self.several and any("|" in choice for choice in self.choices):
+            raise inconsistent("choices", "with several, the data separate answers by |: expected choices without it")
+        return self
 
 
 class Consent(Keys):
@@ -122,6 +154,70 @@ class Orders(Keys):
     )
 
 
+class AttentionCheck(StimulusKeys):
+    """A video of something that everybody who watches it can name, with a question of its own."""
+
+    name: Name = Field(description="name in the data")
+    question: Text = Field(description="text of the question")
+    choices: Annotated[tuple[Text, ...], Field(strict=False, min_length=2)] = Field(description="answers")
+    answer: Text = Field(description="the right one of them")
+    after: Annotated[int, Field(ge=0)] = Field(description="number of videos that are shown before it")
+
+
+class Requirements(Keys):
+    """Devices and browsers that the study is for."""
+
+    text: Text | None = Field(None, description="what participants read about them on the first page")
+    devices: Annotated[tuple[Literal["desktop", "tablet", "phone"], ...], Field(strict=False, min_length=1)] = Field(
+        ("desktop", "tablet", "phone"), description="some of desktop, tablet, phone"
+    )
+    min_width: Annotated[int, Field(ge=0, le=10_000)] = Field(0, description="least width of the window [CSS pixels]")
+    browsers: Annotated[tuple[Literal["chrome", "edge", "firefox", "safari"], ...], Field(strict=False)] = Field(
+        (), description="some of chrome, edge, firefox, safari; none: all"
+    )
+
+
+class Return(Keys):
+    """What a participant takes back to a recruitment service."""
+
+    code: Text | None = Field(None, description="completion code to copy")
+    link: Link | None = Field(None, description="return address; {NAME} stands for the value of a parameter")
+
+
+class Recruitment(Keys):
+    """A service that sends participants and pays them."""
+
+    service: Literal["prolific", "sona", "mturk", "cloudresearch"] | None = Field(
+        None, description="prolific, sona, mturk or cloudresearch, whose parameters are known; null: another one"
+    )
+    parameters: Annotated[tuple[Parameter, ...], Field(strict=False)] = Field(
+        (), description="further parameters of the survey's address to store, apart from the answers"
+    )
+    automatic: Annotated[int, Field(ge=0, le=600)] | None = Field(
+        None, description="seconds until the last page goes to the return link by itself; null: a link to press"
+    )
+    declined: Return = Field(Return(), description="code or link for participants who do not give consent")
+    failed: Return = Field(Return(), description="code or link for participants who fail an attention check")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameters to store."""
+        return tuple(dict.fromkeys((*_PARAMETERS.get(self.service or "", ()), *self.parameters)))
+
+
+class Counting(Keys):
+    """Which answers the analysis counts, decided before the data are seen."""
+
+    unsubmitted: bool = Field(False, description="count participants who answered all videos and did not submit")
+    failed_checks: bool = Field(True, description="count participants who failed an attention check")
+    max_stalled_ms: Annotated[int, Field(ge=0)] | None = Field(
+        None, description="leave out an answer to a video that stood still for longer [ms]; null: count it"
+    )
+    max_dropped: Annotated[float, Field(ge=0, le=1)] | None = Field(
+        None, description="leave out an answer to a video of which a larger share of frames was dropped; null: count it"
+    )
+
+
 class Ethics(Keys):
     """Approval by an ethics board."""
 
@@ -165,8 +261,19 @@ class Study(Keys):
     demographics: Annotated[tuple[Question, ...], Field(strict=False)] = Field(
         (), description="questions before the videos"
     )
+    requirements: Requirements = Field(Requirements(), description="devices and browsers that the study is for")
     consent: Consent = Field(description="first page")
     instructions: Text = Field(description="text before the first video")
+    practice: StimulusKeys | None = Field(None, description="video for practice before the others; not in the data")
+    checks: Annotated[tuple[AttentionCheck, ...], Field(strict=False, max_length=10)] = Field(
+        (), description="attention checks between the videos"
+    )
+    questions_after: Annotated[tuple[Question, ...], Field(strict=False)] = Field(
+        (), description="questions after the videos, such as comments"
+    )
+    debriefing: Text | None = Field(None, description="text after the submission, such as the purpose of the study")
+    recruitment: Recruitment | None = Field(None, description="recruitment service; null: parameters are not stored")
+    counting: Counting = Field(Counting(), description="which answers the analysis counts")
     thanks: Thanks = Field(description="last page")
     texts: Texts = Field(Texts(), description="words of the pages")
     ethics: Ethics = Field(Ethics(), description="approval by an ethics board")
@@ -196,12 +303,28 @@ def _faults(study: Study) -> Iterator[tuple[str, str]]:
     for i, stimulus in enumerate(study.stimuli):
         yield from _stimulus_faults(study, stimulus, f"stimuli.{i}")
     yield from _setting_faults(study)
-    names = [item.name for item in study.demographics]
-    for i, name in enumerate(names):
-        if why := "occurs twice" if name in names[:i] else _TAKEN.get(name):
-            yield f"demographics.{i}.name", f"{name!r} {why}: expected another name"
+    yield from _name_faults(study)
     if study.plan.rate * len(study.answers) <= 1:
         yield "plan.rate", f"{study.plan.rate:g}: expected more than chance, which is 1 in {len(study.answers)}"
+
+
+def _name_faults(study: Study) -> Iterator[tuple[str, str]]:
+    """Yield faults of the names that questions and checks have in the data."""
+    items = [(f"demographics.{i}", item.name) for i, item in enumerate(study.demographics)]
+    items += [(f"questions_after.{i}", item.name) for i, item in enumerate(study.questions_after)]
+    items += [(f"checks.{i}", check.name) for i, check in enumerate(study.checks)]
+    known: set[str] = set()
+    for at, name in items:
+        if why := "occurs twice" if name in known else _TAKEN.get(name):
+            yield f"{at}.name", f"{name!r} {why}: expected another name"
+        known.add(name)
+    for i, check in enumerate(study.checks):
+        if (check.scene is None) == (check.video is None):
+            yield f"checks.{i}", "expected either a scene or a video"
+        if check.answer not in check.choices:
+            yield f"checks.{i}.answer", f"{check.answer!r} is not one of the choices; expected one of them"
+    if study.practice and (study.practice.scene is None) == (study.practice.video is None):
+        yield "practice", "expected either a scene or a video"
 
 
 def _stimulus_faults(study: Study, stimulus: StimulusKeys, at: str) -> Iterator[tuple[str, str]]:

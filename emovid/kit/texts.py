@@ -32,6 +32,9 @@ Name = Annotated[
     str,
     _spelled("[a-z][a-z0-9_]{0,19}", "at most 20 lowercase letters, digits and underscores, beginning with a letter"),
 ]
+Parameter = Annotated[
+    str, _spelled("[A-Za-z][A-Za-z0-9_-]{0,39}", "the name of a parameter of an address, as in PROLIFIC_PID")
+]
 Language = Annotated[str, _spelled("[a-z]{2,3}(-[A-Za-z0-9]{2,8})*", "a language code such as en or pt-BR")]
 Link = Annotated[str, _spelled(r"https?://\S+", "an address such as https://example.org")]
 
