@@ -71,7 +71,7 @@ def build(
     loaded = load_study(study)
     orders = participants or loaded.study.participants
     with counting("frames", quiet=quiet) as watch:
-        progress = _Progress(len(loaded.exemplars), loaded.study.video.frames, watch, quiet)
+        progress = _Progress(len(loaded.exemplars) + len(loaded.extras), loaded.study.video.frames, watch, quiet)
         made = build_kit(loaded, output, orders, seed, progress, force=force)
     if quiet:
         return

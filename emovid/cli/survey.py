@@ -56,6 +56,9 @@ def responses(
     kit: KitPath,
     output: Annotated[Path, typer.Option("--output", "-o", help="File to write.")] = Path("responses.csv"),
     pilot: Pilot = False,
+    rehearsal: Annotated[
+        bool, typer.Option("--rehearsal", help="Mark the answers as a rehearsal, which study analyze counts.")
+    ] = False,
     release_after: Release = 120,
     quiet: Quiet = False,
 ) -> None:
@@ -67,13 +70,16 @@ def responses(
     """
     check_file(output, f"-o {output}")
     opened, store = open_survey(kit, pilot=pilot)
-    text = responses_csv(store, opened.manifest, pilot=pilot, release=60 * release_after)
+    mode = "rehearsal" if rehearsal else ""
+    text = responses_csv(store, opened, pilot=pilot, release=60 * release_after, mode=mode)
+    counts = progress_of(store, list(opened.orders), opened.manifest.codes, 60 * release_after)
     store.close()
     make_folder(output.parent)
     with writing(output) as file:
         file.write(text.encode())
     if not quiet:
-        print(f"{output}: {text.count(chr(10)) - 1} answers", file=sys.stderr)
+        flow = ", ".join(f"{count} {name}" for name, count in counts.flow().items() if count and name != "answers")
+        print(f"{output}: {counts.answers} answers; participants: {flow or 'none'}", file=sys.stderr)
 
 
 def progress(kit: KitPath, pilot: Pilot = False, release_after: Release = 120, as_json: Json = False) -> None:

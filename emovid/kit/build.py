@@ -11,11 +11,11 @@ from emovid.csv_writer import csv_text
 from emovid.errors import EmovidError, InputError, reason
 from emovid.kit.folder import KitFolder, set_times, write_text
 from emovid.kit.load import LoadedStudy
-from emovid.kit.manifest import manifest_of
+from emovid.kit.manifest import json_text, manifest_of, server_keys_of
 from emovid.kit.mp4 import pad_to_equal_size
 from emovid.kit.orders import Order, presentation_orders
 from emovid.kit.seeded_random import commitment, fresh_seed, salt, shuffled
-from emovid.kit.stimuli import Stimulus, blinded, make
+from emovid.kit.stimuli import Stimulus, blinded, extras_of, make
 from emovid.kit.study import Study
 from emovid.video.ffmpeg import count_frames
 
@@ -83,15 +83,24 @@ def build(
         _clear(kit)
     _write_private(kit, loaded, digest, chosen, stimuli)
     orders = orders_of(loaded.study, stimuli, participants, chosen)
-    _make_videos(kit, loaded.study, stimuli, chosen, report)
+    extras = extras_of(loaded, chosen)
+    _make_videos(kit, loaded.study, [*stimuli, *extras], chosen, report)
     write_text(kit.orders, orders_text(loaded.study, orders, chosen))
     committed = commitment(kit.salt.read_bytes(), kit.key.read_bytes())
     codes = [item.code for item in stimuli]
-    manifest = manifest_of(loaded.study, list(map(kit.video, codes)), participants, len(orders[0]), committed)
+    practice, checks = _parted(loaded.study, [kit.video(item.code) for item in extras])
+    videos = [kit.video(code) for code in codes]
+    manifest = manifest_of(loaded.study, videos, participants, len(orders[0]), committed, practice, checks)
     write_text(kit.map, manifest.map_yaml())
+    write_text(kit.survey, json_text(server_keys_of(loaded.study)), _OWNER_ONLY)
     write_text(kit.manifest, manifest.text())
     set_times(kit.public)
     return Built(folder, chosen, tuple(codes), participants)
+
+
+def _parted(study: Study, extras: list[Path]) -> tuple[Path | None, list[Path]]:
+    """Return the practice video, if there is one, and the videos of the attention checks."""
+    return (extras[0], extras[1:]) if study.practice else (None, extras)
 
 
 def orders_of(study: Study, stimuli: Sequence[Stimulus], participants: int, seed: int) -> list[Order]:
@@ -208,6 +217,7 @@ def _recorded(kit: KitFolder) -> dict[str, str]:
     """Return the SHA-256 of each video of a finished kit."""
     try:
         found = json.loads(kit.manifest.read_text(encoding="utf-8"))
-        return {video["code"]: video["sha256"] for video in found["videos"]}
+        extras = [found.get("practice"), *(check["video"] for check in found.get("checks", ()))]
+        return {video["code"]: video["sha256"] for video in (*found["videos"], *extras) if video}
     except (OSError, ValueError, KeyError, TypeError):
         return {}

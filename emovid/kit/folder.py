@@ -9,9 +9,9 @@ from pathlib import Path
 
 from emovid.atomic_io import writing
 from emovid.errors import InputError, reason
-from emovid.kit.manifest import Manifest, read_manifest
+from emovid.kit.manifest import Manifest, ServerKeys, read_manifest, read_server_keys
 from emovid.kit.orders import Order
-from emovid.kit.study import Study
+from emovid.kit.study import Return, Study
 from emovid.responses.key import read_key
 from emovid.responses.labels import NONE, Labels
 
@@ -33,6 +33,7 @@ class KitFolder:
         orders: the codes that each participant sees, in order.
         map: labels and their texts, for `study analyze --map`.
         exports: a folder for each tool.
+        survey: what only the survey's server may know: completion codes, return links, answers of attention checks.
         answers: what the survey recorded.
         private: must stay closed until the data are complete.
         key: the emotion of each code.
@@ -50,6 +51,7 @@ class KitFolder:
         self.orders = path / "orders.csv"
         self.map = path / "map.yaml"
         self.exports = path / "exports"
+        self.survey = path / "survey.json"
         self.answers = path / "answers"
         self.private = path / "private"
         self.key = self.private / "key.csv"
@@ -73,7 +75,8 @@ class Kit:
 
     Attributes:
         folder: its paths.
-        manifest: its manifest.
+        manifest: its manifest, with the completion code and the return link.
+        server: what only the survey's server may know.
         unknown: keys of the manifest that do not belong there.
         orders: the codes of each participant, by position.
         choices: the order of the answers of each participant, if it is random.
@@ -83,6 +86,7 @@ class Kit:
 
     folder: KitFolder
     manifest: Manifest
+    server: ServerKeys
     unknown: tuple[str, ...]
     orders: Mapping[str, Order]
     choices: Mapping[str, Order]
@@ -124,7 +128,12 @@ def open_public(path: Path) -> Kit:
         raise InputError(f"{path}: no such folder; expected a kit")
     manifest, unknown = read_manifest(folder.manifest)
     orders, choices = _orders(folder.orders) if folder.orders.exists() else ({}, {})
-    return Kit(folder, manifest, tuple(unknown), orders, choices, {}, None)
+    server = read_server_keys(folder.survey)
+    if server is None:
+        server = ServerKeys(complete=Return(code=manifest.thanks.code, link=manifest.thanks.link))
+    thanks = manifest.thanks.model_copy(update=dict(server.complete))
+    manifest = manifest.model_copy(update={"thanks": thanks})
+    return Kit(folder, manifest, server, tuple(unknown), orders, choices, {}, None)
 
 
 def write_text(path: Path, text: str, mode: int | None = None) -> None:

@@ -58,12 +58,13 @@ class LoadedStudy:
     path: Path
     study: Study
     exemplars: tuple[Exemplar, ...]
+    extras: tuple[Exemplar, ...] = ()
 
     def digest(self) -> str:
         """Return the SHA-256 of everything that determines a kit except seed and number of participants."""
         contents = [
             scene_digest(item.scene) if item.scene else file_digest(item.video) if item.video else ""
-            for item in self.exemplars
+            for item in (*self.exemplars, *self.extras)
         ]
         keys = self.study.resolved() | {"participants": None}
         text = json.dumps([version("emovid"), keys, contents], sort_keys=True, separators=(",", ":"))
@@ -104,7 +105,7 @@ def load_study(source: Path) -> LoadedStudy:
         raise source_error(error, places, Study) from None
     exemplars = tuple(_exemplars(study, path, places))
     _check_one_of_each(study, exemplars, places)
-    return LoadedStudy(path, study, exemplars)
+    return LoadedStudy(path, study, exemplars, tuple(_extras(study, path, places)))
 
 
 def _error(path: KeyPath, places: Places, message: str) -> SourceError:
@@ -126,28 +127,45 @@ def _exemplars(study: Study, path: Path, places: Places) -> Iterator[Exemplar]:
             yield Exemplar(entry, emotion, Path(stimulus.video).stem, video=video)
             continue
         for levels in combinations:
-            scene = _scene(study, entry, levels, path, places)
+            scene = _scene(study, stimulus, at, levels, path, places)
             emotion = _label(stimulus, scene, study, at, places)
             for number in range(study.exemplars):
                 yield Exemplar(entry, emotion, Path(str(stimulus.scene)).stem, number, levels, scene)
 
 
-def _scene(study: Study, entry: int, levels: Mapping[str, str], path: Path, places: Places) -> Scene:
+def _extras(study: Study, path: Path, places: Places) -> Iterator[Exemplar]:
+    """Yield the videos beside the stimuli: the practice video, if there is one, and those of the attention checks."""
+    extras: list[tuple[KeyPath, StimulusKeys]] = [(("practice",), study.practice)] if study.practice else []
+    extras += [(("checks", i), check) for i, check in enumerate(study.checks)]
+    for at, stimulus in extras:
+        if stimulus.video is None:
+            yield Exemplar(-1, "", Path(str(stimulus.scene)).stem, scene=_scene(study, stimulus, at, {}, path, places))
+            continue
+        video = path.parent / stimulus.video
+        with _errors_at((*at, "video"), places):
+            check_video(video, study.video)
+        yield Exemplar(-1, "", Path(stimulus.video).stem, video=video)
+
+
+def _scene(
+    study: Study, stimulus: StimulusKeys, at: KeyPath, levels: Mapping[str, str], path: Path, places: Places
+) -> Scene:
     """Return the scene of a stimulus at one level of each factor, with the keys that the study sets."""
-    stimulus = study.stimuli[entry]
     name = str(stimulus.scene)
     file = path.parent / name
     source = name if name in EMOTIONS or not (file.suffix or file.exists()) else file
     groups: list[tuple[KeyPath, Mapping[str, Any]]] = [(("set",), study.set)]
     groups += [(("factors", factor, level), study.factors[factor][level]) for factor, level in levels.items()]
-    groups += [(("stimuli", entry, "set"), stimulus.set)]
-    settings = [Setting(key, value, place_of((*at, key), places)) for at, keys in groups for key, value in keys.items()]
+    groups += [((*at, "set"), stimulus.set)]
+    settings = [
+        Setting(key, value, place_of((*group, key), places)) for group, keys in groups for key, value in keys.items()
+    ]
     common = {"video.format": "mp4", "video.size": study.video.size, "video.fps": study.video.fps}
     common["duration"] = study.video.duration
     settings += [
         Setting(key, value, place_of(("video", key.rpartition(".")[2]), places)) for key, value in common.items()
     ]
-    with _errors_at(("stimuli", entry, "scene"), places):
+    with _errors_at((*at, "scene"), places):
         scene = load_scene(source, settings)
         check_start(scene)
         for overlay, shown in scene.video.overlays:

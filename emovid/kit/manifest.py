@@ -11,7 +11,18 @@ from pydantic import Field, PositiveFloat, PositiveInt, ValidationError
 from emovid.atomic_io import file_digest
 from emovid.errors import InputError, reason
 from emovid.kit.orders import Scheme
-from emovid.kit.study import Consent, Ethics, Question, Rating, Study, Thanks
+from emovid.kit.study import (
+    Consent,
+    Counting,
+    Ethics,
+    Question,
+    Rating,
+    Recruitment,
+    Requirements,
+    Return,
+    Study,
+    Thanks,
+)
 from emovid.kit.texts import Texts, in_language
 from emovid.yaml_models import Keys, source_error
 
@@ -51,6 +62,26 @@ class NamedRating(Rating):
     name: str
 
 
+class PublicCheck(Keys):
+    """An attention check, without its right answer."""
+
+    name: str
+    question: str
+    choices: tuple[str, ...]
+    after: int
+    video: PublicVideo
+
+
+class ServerKeys(Keys):
+    """The contents of survey.json: what the survey's server must know and participants must not read."""
+
+    format: Literal["emovid survey 1"] = "emovid survey 1"
+    complete: Return = Return()
+    declined: Return = Return()
+    failed: Return = Return()
+    answers: dict[str, str] = Field({})  # right answers of attention checks, by name
+
+
 class Manifest(Keys):
     """The contents of manifest.json; videos in the order of their codes."""
 
@@ -72,15 +103,29 @@ class Manifest(Keys):
     videos_shown: int
     key_commitment: str
     videos: Annotated[tuple[PublicVideo, ...], Field(min_length=1)]
+    version: PositiveInt = 1  # of the texts: each `study update` counts up
+    requirements: Requirements = Requirements()
+    practice: PublicVideo | None = None
+    checks: tuple[PublicCheck, ...] = ()
+    questions_after: tuple[Question, ...] = ()
+    debriefing: str | None = None
+    recruitment: Recruitment | None = None
+    counting: Counting = Counting()
 
     @property
     def codes(self) -> list[str]:
         """The codes of the videos."""
         return [video.code for video in self.videos]
 
+    @property
+    def all_videos(self) -> dict[str, PublicVideo]:
+        """All videos by code: the stimuli, the practice video and those of attention checks."""
+        extra = [*([self.practice] if self.practice else []), *(check.video for check in self.checks)]
+        return {video.code: video for video in (*self.videos, *extra)}
+
     def text(self) -> str:
         """Return the manifest as JSON text."""
-        return json.dumps(self.model_dump(mode="json"), indent=2, ensure_ascii=False) + "\n"
+        return json_text(self)
 
     def map_yaml(self, codes: Mapping[str, str] = MappingProxyType({})) -> str:
         """Return the map for `study analyze --map`: the labels, and their texts.
@@ -96,7 +141,47 @@ class Manifest(Keys):
         return "\n".join([f"labels: [{', '.join(labels)}]", "answers:", *answers, ""])
 
 
-def manifest_of(study: Study, videos: Sequence[Path], participants: int, shown: int, commitment: str) -> Manifest:
+def json_text(keys: Keys) -> str:
+    """Return keys as JSON text."""
+    return json.dumps(keys.model_dump(mode="json"), indent=2, ensure_ascii=False) + "\n"
+
+
+def server_keys_of(study: Study) -> ServerKeys:
+    """Return what only the survey's server may know."""
+    recruitment = study.recruitment or Recruitment()
+    return ServerKeys(
+        complete=Return(code=study.thanks.code, link=study.thanks.link),
+        declined=recruitment.declined,
+        failed=recruitment.failed,
+        answers={check.name: check.answer for check in study.checks},
+    )
+
+
+def read_server_keys(path: Path) -> ServerKeys | None:
+    """Return the contents of a survey.json; None for a kit of version 0.1.0, which has none.
+
+    Raises:
+        InputError: if the file cannot be read, or has other keys.
+    """
+    try:
+        return ServerKeys.model_validate_json(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {reason(error)}") from None
+    except ValueError:
+        raise InputError(f"{path}: not the file that emovid study build wrote; build the kit again") from None
+
+
+def manifest_of(
+    study: Study,
+    videos: Sequence[Path],
+    participants: int,
+    shown: int,
+    commitment: str,
+    practice: Path | None = None,
+    checks: Sequence[Path] = (),
+) -> Manifest:
     """Return the manifest of a kit.
 
     Args:
@@ -105,6 +190,8 @@ def manifest_of(study: Study, videos: Sequence[Path], participants: int, shown: 
         participants: number of orders.
         shown: number of videos that each participant sees.
         commitment: to the key, see `seeded_random.commitment`.
+        practice: the practice video.
+        checks: the videos of the attention checks.
     """
     labels = tuple(Choice(label=label, text=text) for label, text in study.answers.items())
     return Manifest(
@@ -118,7 +205,7 @@ def manifest_of(study: Study, videos: Sequence[Path], participants: int, shown: 
         demographics=study.demographics,
         consent=in_language(study.consent, study.language),
         instructions=study.instructions,
-        thanks=study.thanks,
+        thanks=Thanks(text=study.thanks.text),  # code and link are in survey.json
         texts=in_language(study.texts, study.language),
         ethics=study.ethics,
         order_scheme=study.orders.scheme,
@@ -126,6 +213,23 @@ def manifest_of(study: Study, videos: Sequence[Path], participants: int, shown: 
         videos_shown=shown,
         key_commitment=commitment,
         videos=tuple(_video(study, video) for video in videos),
+        requirements=study.requirements,
+        practice=_video(study, practice) if practice else None,
+        checks=tuple(
+            PublicCheck(
+                name=check.name,
+                question=check.question,
+                choices=check.choices,
+                after=check.after,
+                video=_video(study, video),
+            )
+            for check, video in zip(study.checks, checks, strict=True)
+        ),
+        questions_after=study.questions_after,
+        debriefing=study.debriefing,
+        recruitment=study.recruitment
+        and study.recruitment.model_copy(update={"declined": Return(), "failed": Return()}),
+        counting=study.counting,
     )
 
 

@@ -58,9 +58,15 @@ def blinded(loaded: LoadedStudy, seed: int) -> list[Stimulus]:
     Raises:
         SourceError: if the robots do not fit, with any of 50 seeds.
     """
-    codes = video_codes(seed, len(loaded.exemplars))
-    pairs = zip(codes, loaded.exemplars, strict=True)
+    codes = video_codes(seed, len(loaded.exemplars) + len(loaded.extras))
+    pairs = zip(codes, loaded.exemplars, strict=False)
     return sorted((_varied(code, item, loaded.study.vary, seed) for code, item in pairs), key=lambda item: item.code)
+
+
+def extras_of(loaded: LoadedStudy, seed: int) -> list[Stimulus]:
+    """Return the practice video and those of attention checks, with codes; their runs are those of their scenes."""
+    codes = video_codes(seed, len(loaded.exemplars) + len(loaded.extras))[len(loaded.exemplars) :]
+    return [Stimulus(code, item) for code, item in zip(codes, loaded.extras, strict=True)]
 
 
 def make(stimulus: Stimulus, look: Look, target: Path, seed: int, on_frame: Callable[[int], None]) -> None:

@@ -72,6 +72,7 @@ class ParsedExport:
         note: how participants were told apart, if no column names them; or "".
         warnings: sentences for readers of the results.
         simulated: whether rows are marked as simulated.
+        excluded: participants and rows that were left out, to be listed one by one.
     """
 
     answers: pd.DataFrame
@@ -86,6 +87,7 @@ class ParsedExport:
     note: str = ""
     warnings: tuple[str, ...] = ()
     simulated: bool = False
+    excluded: tuple[Rejected, ...] = ()
 
 
 _COLUMNS = ("participant", "video", "answer", "position", "line", "file", "cell", "video_cell")

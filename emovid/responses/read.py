@@ -152,7 +152,7 @@ def _responses(files: Sequence[_File], known: Known, skipped: Sequence[Rejected]
         dropped.update(part.parsed.dropped)
         left_out.update(part.parsed.left_out)
     ragged = [row for part in parts for row in part.parsed.rejected]
-    rejected = [*skipped, *ragged, *valid.rejected]
+    rejected = [*skipped, *ragged, *valid.rejected, *(row for part in parts for row in part.parsed.excluded)]
     if not len(valid.frame):
         raise _nothing_left(names[0], rejected, dropped)
     _check_rejected([*ragged, *valid.rejected], len(together) + len(ragged), max_rejected)

@@ -16,9 +16,12 @@ SURVEY_COLUMNS = ("participant", "video", "position", "response")
 RECORDED = (
     "first_response", "changes", "confidence", "valence", "arousal", "choices", "plays", "watched_share",
     "shown_seconds", "played_seconds", "first_answer_seconds", "answer_seconds", "width", "height", "frames",
-    "dropped_frames", "ended_seconds", "stalls", "stalled_ms", "play_ms", "response_ms", "device",
-    "order_row", "consent_version", "status", "mode",
+    "dropped_frames", "ended_seconds", "stalls", "stalled_ms", "play_ms", "response_ms", "playback",
+    "device", "checks", "order_row", "consent_version", "language", "kit_version", "status", "mode",
 )  # fmt: skip
+UNSUBMITTED = "unsubmitted"  # status of a participant who answered all videos and did not submit
+FAILED_CHECK = "failed check"  # status of a participant whom a failed attention check excludes
+SMOOTH = "smooth"  # playback within the study's limits
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,11 @@ _ADDED = {  # columns that files of version 0.1.0 do not have
         "play_ms INTEGER NOT NULL DEFAULT 0",
     ),
     "answers": ("response_ms INTEGER",),
+    "participants": (
+        "after TEXT",
+        "language TEXT NOT NULL DEFAULT ''",
+        "kit_version INTEGER NOT NULL DEFAULT 1",
+    ),
 }
 
 

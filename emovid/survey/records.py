@@ -45,6 +45,9 @@ class Participant:
         submitted: time of the submission [s since 1970]; None before.
         answers: answers by place, counted from 1.
         opened: places of the videos that may be answered.
+        after: answers to the questions after the videos; None before they are given.
+        language: language of the pages; "" for that of the kit.
+        kit_version: version of the kit's texts at the consent.
     """
 
     id: int
@@ -59,6 +62,9 @@ class Participant:
     submitted: float | None
     answers: Mapping[int, Answer]
     opened: frozenset[int]
+    after: Mapping[str, str] | None = None
+    language: str = ""
+    kit_version: int = 1
 
 
 @dataclass(frozen=True)
@@ -146,8 +152,8 @@ class _AnswerRow(NamedTuple):
 
 
 _PARTICIPANTS = (
-    "SELECT id, order_row, videos, choices, consent_version, enrolled, seen, about, instructed, submitted"
-    " FROM participants"
+    "SELECT id, order_row, videos, choices, consent_version, enrolled, seen, about, instructed, submitted,"
+    " after, language, kit_version FROM participants"
 )
 
 
@@ -187,6 +193,9 @@ def _participant(
     about: str | None,
     instructed: float | None,
     submitted: float | None,
+    after: str | None,
+    language: str,
+    kit_version: int,
 ) -> Participant:
     return Participant(
         id=id_,
@@ -201,6 +210,9 @@ def _participant(
         submitted=submitted,
         answers=_answers(sql, id_),
         opened=opened_by(sql, id_),
+        after=None if after is None else json.loads(after),
+        language=language,
+        kit_version=kit_version,
     )
 
 

@@ -11,7 +11,10 @@ CREATE TABLE IF NOT EXISTS participants (
   seen REAL NOT NULL,
   about TEXT,                            -- the answers about the participant, as JSON
   instructed REAL,
-  submitted REAL
+  submitted REAL,
+  after TEXT,                            -- the answers to the questions after the videos, as JSON
+  language TEXT NOT NULL DEFAULT '',
+  kit_version INTEGER NOT NULL DEFAULT 1
 ) STRICT;
 CREATE TABLE IF NOT EXISTS views (
   participant INTEGER NOT NULL REFERENCES participants ON DELETE CASCADE,
@@ -46,4 +49,11 @@ CREATE TABLE IF NOT EXISTS answers (                   -- one row for each chang
   response_ms INTEGER                    -- as the browser measured it
 ) STRICT;
 CREATE INDEX IF NOT EXISTS answers_of ON answers (participant, place);
+-- Participants sent by a recruitment service. No row here can be joined with one above: the digest is another one, and
+-- without a row number there is no common sequence.
+CREATE TABLE IF NOT EXISTS recruits (
+  digest TEXT PRIMARY KEY,
+  parameters TEXT NOT NULL,              -- of the survey's address, as JSON
+  outcome TEXT NOT NULL                  -- started, finished, failed
+) STRICT, WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS withdrawn (digest TEXT PRIMARY KEY) STRICT;

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from emovid.errors import InputError
 from emovid.kit.folder import Kit, KitFolder, open_public
+from emovid.survey.codes import site_name
 from emovid.survey.database import Database
 from emovid.survey.records import (
     Order,
@@ -54,6 +55,7 @@ class Store:
     ) -> None:
         self._data = Database(path, commitment, patience)
         self.secret = self._data.secret
+        self.site = site_name(self.secret)
         self.clock = clock or self._steady_clock()
 
     def close(self) -> None:

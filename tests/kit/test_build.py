@@ -49,7 +49,7 @@ def test_a_kit_has_the_files_that_are_promised_and_no_others(fresh) -> None:
     videos = {f"public/videos/{code}.mp4" for code in codes_in(fresh)}
     private = {f"private/{name}" for name in ("key.csv", "salt.txt", "seed.txt", "stimuli.csv", "study.json")}
     assert len(videos) == 6
-    assert names == videos | private | {"public/manifest.json", "orders.csv", "map.yaml"}
+    assert names == videos | private | {"public/manifest.json", "orders.csv", "map.yaml", "survey.json"}
 
 
 def test_codes_are_random_and_the_key_has_each_emotion_once(fresh) -> None:

@@ -26,6 +26,12 @@ def elsewhere(kit, monkeypatch) -> None:
     monkeypatch.chdir(kit.parent)
 
 
+def site_of(kit: Path) -> str:
+    _, store = open_survey(kit, pilot=False)
+    store.close()
+    return store.site
+
+
 def take_part(answers: list[list[str]], *, pilot: bool = False, submit: bool = True) -> list[Visitor]:
     """Let participants go through the survey of the kit."""
     opened, store = open_survey(Path("kit"), pilot=pilot, create=True)
@@ -40,20 +46,25 @@ def take_part(answers: list[list[str]], *, pilot: bool = False, submit: bool = T
 def test_what_was_answered_is_what_the_analysis_counts(capsys) -> None:
     answers = [[LABELS[(i + j * j) % 6] for j in range(6)] for i in range(4)]
     take_part(answers)
-    take_part([["fear"] * 3], submit=False)
+    take_part([["fear"] * 3, []], submit=False)
     assert main(["study", "responses", "kit", "-o", "responses.csv"]) == 0
-    assert capsys.readouterr().err == "responses.csv: 27 answers\n"
+    told = capsys.readouterr().err
+    assert told.startswith("responses.csv: 27 answers; participants: 6 enrolled, 5 began, 4 finished, ")
     read = read_responses(Path("responses.csv"), key=Path("kit/private/key.csv"))
-    kit = open_kit(Path("kit"))
+    kit, site = open_kit(Path("kit")), site_of(Path("kit"))
     orders = list(kit.orders.values())
     expected = [
-        (f"p-{person:04d}", code, kit.key[code], label, place)
+        (f"p-{site}-{person:04d}", code, kit.key[code], label, place)
         for person, (order, given) in enumerate(zip(orders, answers, strict=False), start=1)
         for place, (code, label) in enumerate(zip(order, given, strict=True), start=1)
     ]
     assert [tuple(row) for row in read.answers.itertuples(index=False)] == expected
     assert list(read.participants.columns) == ["gender"]
-    assert (read.sources[0].dialect, read.dropped, read.rejected) == ("emovid survey", {"partial": 1}, ())
+    assert (read.sources[0].dialect, read.dropped) == ("emovid survey", {"partial": 2})
+    assert [(item.value, item.reason) for item in read.rejected] == [
+        (f"p-{site}-0005", "left out: partial"),  # who stopped after three videos
+        (f"p-{site}-0006", "left out: partial"),  # who left before the first answer
+    ]
     assert main(["study", "audit", "kit", "--responses", "responses.csv"]) == 0
     assert "4 participants, 4 with all videos, 24 answers" in capsys.readouterr().out
 
@@ -80,10 +91,12 @@ def test_pilot_answers_are_kept_apart_and_left_out_of_the_analysis(capsys) -> No
     assert main(["study", "responses", "kit", "-o", "real.csv", "-q"]) == 0
     assert main(["study", "responses", "kit", "--pilot", "-o", "pilot.csv", "-q"]) == 0
     real, pilot = (list(csv.DictReader(Path(f"{name}.csv").read_text().splitlines())) for name in ("real", "pilot"))
-    assert {(row["participant"], row["mode"], row["response"]) for row in real} == {("p-0001", "study", "anger")}
-    assert {(row["participant"], row["mode"], row["response"]) for row in pilot} == {("pilot-0001", "pilot", "fear")}
+    assert {(row["participant"], row["mode"], row["response"]) for row in real} == {
+        (f"p-{site_of(Path('kit'))}-0001", "study", "anger")
+    }
+    assert {(row["participant"][:6], row["mode"], row["response"]) for row in pilot} == {("pilot-", "pilot", "fear")}
     mixed = read_responses([Path("real.csv"), Path("pilot.csv")], key=Path("kit/private/key.csv"))
-    assert set(mixed.answers["participant"]) == {"p-0001"}
+    assert set(mixed.answers["participant"]) == {f"p-{site_of(Path('kit'))}-0001"}
     assert mixed.dropped == {"test run": 1}
 
 
@@ -96,7 +109,9 @@ def test_progress_counts_everybody_and_the_balance(capsys) -> None:
     counts = dict(re.findall(r"^([a-z ]+?) +(\d+)$", out, re.MULTILINE))
     # The clock of these participants is years behind this machine's, or ahead: the one who stopped is one of the two.
     assert int(counts.pop("in progress")) + int(counts.pop("abandoned")) == 1
-    assert counts == {"enrolled": "5", "finished": "3", "withdrawn": "1", "answers": "19"}
+    assert counts == {
+        "enrolled": "5", "began": "4", "finished": "3", "complete": "0", "withdrawn": "1", "answers": "19",
+    }  # fmt: skip
     assert "each row 0 to 1 times, each video 0 to 1 times in each place" in out
     assert main(["study", "progress", "kit", "--json"]) == 0
     said = json.loads(capsys.readouterr().out)

@@ -16,7 +16,7 @@ SIX = ["fear", "anger", "fear", "sadness", "disgust", "happiness"]
 
 
 def rows(store, opened) -> list[dict[str, str]]:
-    text = responses_csv(store, opened.manifest, pilot=False, release=7200)
+    text = responses_csv(store, opened, pilot=False, release=7200)
     return list(csv.DictReader(text.splitlines()))
 
 
@@ -39,7 +39,7 @@ def test_from_consent_to_thanks_every_answer_is_in_the_export_with_its_events(vi
     for row in found:
         shared = {name: row[name] for name in ("participant", "order_row", "status", "mode", "gender", "country")}
         assert shared == {
-            "participant": "p-0001", "order_row": "P001", "status": "finished", "mode": "study", "gender": "Woman",
+            "participant": f"p-{store.site}-0001", "order_row": "P001", "status": "finished", "mode": "study", "gender": "Woman",
             "country": "",
         }  # fmt: skip
         assert row["choices"] == "|".join(choices)
@@ -251,7 +251,7 @@ def test_withdrawal_deletes_and_every_later_step_says_so(visitor, store, opened)
     code, cookie = readable(someone.cookie), someone.cookie
     assert f'value="{code}"' in someone.get("/withdraw").text
     assert "Your answers were deleted" in someone.post("/withdraw", code=code).text
-    assert {row["participant"] for row in rows(store, opened)} == {"p-0002"}
+    assert {row["participant"] for row in rows(store, opened)} == {f"p-{store.site}-0002"}
     assert "I agree" in someone.get("/").text
     assert "Your answers were deleted" in someone.post("/withdraw", code=code).text
     assert someone.post("/resume", code=code).status_code == 410

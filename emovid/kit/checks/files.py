@@ -14,7 +14,11 @@ _OTHER_TIME = "has another time than the other files; copy the kit with cp -a, o
 def check_files(kit: Kit) -> Iterator[Finding]:
     """Check that the public folder holds only the manifest and the videos that it lists."""
     public = kit.folder.public
-    expected = {kit.folder.manifest, kit.folder.videos, *(public / video.file for video in kit.manifest.videos)}
+    expected = {
+        kit.folder.manifest,
+        kit.folder.videos,
+        *(public / video.file for video in kit.manifest.all_videos.values()),
+    }
     for path in sorted(public.rglob("*")):
         where = kit.folder.inside(path)
         if path.is_symlink():

@@ -14,6 +14,7 @@ from emovid.swarm.simulate import simulate
 _TEXT = (
     ".html", ".htm", ".js", ".mjs", ".css", ".json", ".csv", ".tsv", ".txt", ".md", ".xml", ".svg", ".yaml", ".vtt",
 )  # fmt: skip
+_SHORTEST_CODE = 4  # characters; shorter words could be anything
 _NEAR = 200  # characters of a line, on each side, that belong to a code in it
 _GROUP = 600  # the same of a group in braces, brackets or a tag
 
@@ -46,7 +47,8 @@ def check_pages(kit: Kit, hints: Hints) -> Iterator[Finding]:
 
 
 def check_secrets(kit: Kit) -> Iterator[Finding]:
-    """Check that no public file contains the seed, the salt, or the digest of a public scene or of its run."""
+    """Check that no public file contains the seed, the salt, the digest of a public scene or run, or a paid code."""
+    yield from _completion_codes(kit)
     private = {name: _content(path) for name, path in (("seed", kit.folder.seed), ("salt", kit.folder.salt))}
     secrets: dict[str, tuple[str, tuple[str, ...]]] = {
         text: (f"contains the private {name}", ()) for name, text in private.items() if len(text) >= 8
@@ -60,6 +62,19 @@ def check_secrets(kit: Kit) -> Iterator[Finding]:
         for text, (message, emotions) in secrets.items():
             if text.encode() in data:
                 yield Finding("secrets", kit.folder.inside(path), message, emotions)
+
+
+def _completion_codes(kit: Kit) -> Iterator[Finding]:
+    """Check that no file that everybody can read has a completion code or a return link, which services pay for."""
+    words = [word for back in (kit.server.complete, kit.server.declined, kit.server.failed) for _, word in back if word]
+    pages = [path for path in (kit.folder.exports / "jspsych").rglob("*") if path.suffix in (".html", ".js")]
+    for path in sorted(path for path in (*kit.folder.public.rglob("*"), *pages) if path.is_file()):
+        if path.suffix == ".mp4":
+            continue
+        text = path.read_text(encoding="utf-8", errors="replace")
+        if any(re.search(rf"(?<!\w){re.escape(word)}(?!\w)", text) for word in words if len(word) >= _SHORTEST_CODE):
+            message = "contains a completion code or a return link: everybody can read it and be paid"
+            yield Finding("secrets", kit.folder.inside(path), message)
 
 
 @cache

@@ -38,7 +38,7 @@ from emovid.responses.parsed_export import (
     whole_numbers,
 )
 from emovid.responses.participants import PARTICIPANT, People, groups_of, who, who_answered, without
-from emovid.responses.responses import RECORDED, SURVEY_COLUMNS
+from emovid.responses.responses import FAILED_CHECK, RECORDED, SMOOTH, SURVEY_COLUMNS, UNSUBMITTED
 
 # Words in names of columns that accompany an answer.
 _BESIDE = re.compile(
@@ -55,9 +55,37 @@ def recognizes_survey(table: Table, known: Known) -> bool:
 
 
 def read_survey(table: Table, known: Known) -> ParsedExport:
-    """Read the export of our own survey."""
+    """Read the export of our own survey; list the participants and answers that the study's rules leave out."""
     form = Format(answers=("response",), participants=SURVEY_COLUMNS[:1], is_tool=RECORDED.__contains__)
-    return read_long(table, known, form)
+    parsed = read_long(table, known, form, _survey_marks)
+    return replace(parsed, excluded=tuple(_excluded_by_survey(table, known)))
+
+
+def _survey_marks(table: Table) -> Marks:
+    place = column(table, "playback")
+    stalled = pd.Series(False, index=table.cells.index) if place is None else ~table.cells[place].isin(("", SMOOTH))
+    people = {"partial": says(table, (UNSUBMITTED,), "status"), FAILED_CHECK: says(table, (FAILED_CHECK,), "status")}
+    return Marks(people, {"playback": stalled})
+
+
+def _excluded_by_survey(table: Table, known: Known) -> Iterator[Rejected]:
+    """Yield the first row of each participant who is left out, and each answer that is left out."""
+    marks = _survey_marks(table)
+    ids = table.cells[table.names.index(SURVEY_COLUMNS[0])]
+    told: set[str] = set()
+    for reason, mask in marks_of_people(table, known, marks).items():
+        for row, name in ids[mask].drop_duplicates().items():
+            if name not in told:
+                yield _row_left_out(table, int(str(row)), SURVEY_COLUMNS[0], str(name), reason)
+            told.add(str(name))
+    for reason, mask in marks.rows.items():
+        for row, name in ids[mask & ~ids.isin(told)].items():
+            yield _row_left_out(table, int(str(row)), SURVEY_COLUMNS[0], str(name), reason)
+
+
+def _row_left_out(table: Table, row: int, cell: str, value: str, reason: str) -> Rejected:
+    file = table.file if table.origins is None else table.files[table.origins[row]]
+    return Rejected(file, int(table.lines[row]), cell, value, f"left out: {reason}")
 
 
 def recognizes_long(table: Table, known: Known) -> bool:
