@@ -152,9 +152,10 @@ def _responses(files: Sequence[_File], known: Known, skipped: Sequence[Rejected]
         dropped.update(part.parsed.dropped)
         left_out.update(part.parsed.left_out)
     ragged = [row for part in parts for row in part.parsed.rejected]
-    rejected = [*skipped, *ragged, *valid.rejected, *(row for part in parts for row in part.parsed.excluded)]
+    rejected = [*skipped, *ragged, *valid.rejected]
     if not len(valid.frame):
         raise _nothing_left(names[0], rejected, dropped)
+    rejected += [row for part in parts for row in part.parsed.excluded]
     _check_rejected([*ragged, *valid.rejected], len(together) + len(ragged), max_rejected)
     _check_people(valid, int((together["participant"].drop_duplicates() != "").sum()), max_rejected)
     participants = _participants(valid.frame, parts, together, dropped)

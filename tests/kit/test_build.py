@@ -128,7 +128,7 @@ def test_two_kits_of_one_study_share_no_code_and_no_byte_equal_file(fresh, tmp_p
     built = make_kit(tmp_path, seed=SEED + 1)
     assert not set(built.codes) & set(codes_in(fresh))
     first, second = files(fresh), files(tmp_path / "kit")
-    texts = {"map.yaml"}  # labels and their texts: the study's own words
+    texts = {"map.yaml", "survey.json"}  # labels and their texts: the study's own words
     assert not {d for n, d in first.items() if n not in texts} & {d for n, d in second.items() if n not in texts}
 
 

@@ -113,7 +113,7 @@ def test_names_that_differ_in_an_underscore_stay_apart(tmp_path) -> None:
 
 def test_only_who_agreed_sees_the_completion_code_and_the_way_back(german) -> None:
     agreed, declined = endings(survey(german))
-    assert seen(agreed) == ["Danke!", "Your completion code: ABC123", "Return to the recruitment service"]
+    assert seen(agreed) == ["Danke!", "Ihr Abschlusscode: ABC123", "Zurück zum Rekrutierungsdienst"]
     assert links(agreed) == ["https://example.org/back?cc=1&x=2"]
     assert seen(declined) == ["Sie nehmen nicht teil."]
     assert links(declined) == []

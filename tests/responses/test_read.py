@@ -257,9 +257,10 @@ def test_in_a_folder_files_that_are_no_export_are_named_and_skipped(tmp_path) ->
     found = read_responses(folder, folder / "key.csv")
     assert found.counts().tolist() == COUNTS
     assert [(Path(row.file).name, row.row) for row in found.rejected] == [
-        ("empty.csv", 0), ("notes.txt", 0), ("x.xlsx", 0),
+        ("empty.csv", 0), ("notes.txt", 0), ("own.csv", 50), ("own.csv", 51), ("x.xlsx", 0),
     ]  # fmt: skip
-    assert found.rejected[2].reason == "not a workbook: Cannot detect file format"
+    assert [row.reason for row in found.rejected[2:4]] == ["left out: test run", "left out: partial"]
+    assert found.rejected[4].reason == "not a workbook: Cannot detect file format"
 
 
 def test_files_of_one_participant_each_add_up(tmp_path) -> None:

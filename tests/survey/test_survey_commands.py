@@ -97,7 +97,7 @@ def test_pilot_answers_are_kept_apart_and_left_out_of_the_analysis(capsys) -> No
     assert {(row["participant"][:6], row["mode"], row["response"]) for row in pilot} == {("pilot-", "pilot", "fear")}
     mixed = read_responses([Path("real.csv"), Path("pilot.csv")], key=Path("kit/private/key.csv"))
     assert set(mixed.answers["participant"]) == {f"p-{site_of(Path('kit'))}-0001"}
-    assert mixed.dropped == {"test run": 1}
+    assert mixed.dropped == {"pilot": 1}
 
 
 def test_progress_counts_everybody_and_the_balance(capsys) -> None:

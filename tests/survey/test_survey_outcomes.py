@@ -39,7 +39,8 @@ def test_from_consent_to_thanks_every_answer_is_in_the_export_with_its_events(vi
     for row in found:
         shared = {name: row[name] for name in ("participant", "order_row", "status", "mode", "gender", "country")}
         assert shared == {
-            "participant": f"p-{store.site}-0001", "order_row": "P001", "status": "finished", "mode": "study", "gender": "Woman",
+            "participant": f"p-{store.site}-0001", "order_row": "P001", "status": "finished", "mode": "study",
+            "gender": "Woman",
             "country": "",
         }  # fmt: skip
         assert row["choices"] == "|".join(choices)

@@ -1,13 +1,13 @@
 """The two layouts of answers, for every tool: one row for each answer (long), or one column for each video (wide)."""
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
-from emovid.csv_reader import Table
+from emovid.csv_reader import Rejected, Table
 from emovid.errors import SourceError, quoted
 from emovid.responses.columns import (
     POSITION,
