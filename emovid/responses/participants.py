@@ -30,7 +30,7 @@ _PRIVATE_WORDS = (
     "ip email mail name phone latitude longitude location address date time timestamp url browser agent version seed "
     "token referrer referer user key status progress finished duration collector started ended created modified "
     "prolific pid worker assignment index file hash comment comments seconds rt "
-    "plays choices confidence valence arousal"
+    "plays choices confidence valence arousal consent"
 )
 TRAITS, _PRIVATE = frozenset(_TRAIT_WORDS.split()), frozenset(_PRIVATE_WORDS.split())
 # Words of columns that are measured and do not name a person.

@@ -1,6 +1,7 @@
 """What LimeSurvey makes of a structure file: rows as PHP reads them, and what participants see."""
 
 import csv
+import html
 import io
 import re
 from html.parser import HTMLParser
@@ -86,3 +87,51 @@ def links(text: str) -> list[str]:
 def heading(text: str) -> str:
     """Return the header of a question in an export with full question texts: the text without tags."""
     return re.sub(r"<[^>]*>", "", text)
+
+
+_META = {
+    "code": ("id", "submitdate", "lastpage", "startlanguage", "seed"),
+    "full": ("Antwort ID", "Datum Abgeschickt", "Letzte Seite", "Start-Sprache", "Zufallsgeneratorstartwert"),
+}
+
+
+def answers_text(rows: list[dict[str, str]], people: list[dict[str, str]], headings: str, *, full: bool) -> str:
+    """Return the export of answers as LimeSurvey writes it: BOM, semicolons, quotes everywhere, CRLF.
+
+    Args:
+        rows: of the structure file.
+        people: for each participant, the answer code or text to each question that was shown, by its name.
+        headings: "code" for question codes, "full" for question texts (here with a German interface), "codetext".
+        full: whether answers are texts rather than codes.
+    """
+    asked = [row for row in rows if row["class"] == "Q" and row["type/scale"] != "*"]
+    codes = {row["name"]: _answers_of(rows, row["name"]) for row in asked}
+    meta = _META["full" if headings == "full" else "code"]
+    header = [f"{name}. {name}" if headings == "codetext" else name for name in meta]
+    header += [_title(rows, row, headings) for row in asked]
+    lines = [header]
+    for number, given in enumerate(people, start=1):
+        cells = [given.get(row["name"], "") for row in asked]
+        if full:
+            cells = [html.unescape(codes[row["name"]].get(cell, cell)) for row, cell in zip(asked, cells, strict=True)]
+        lines.append([str(number), "1980-01-01 00:00:00", "9", "de", str(500 + number), *cells])
+    text = io.StringIO()
+    csv.writer(text, delimiter=";", quoting=csv.QUOTE_ALL, lineterminator="\r\n").writerows(lines)
+    return "\ufeff" + text.getvalue()
+
+
+def _answers_of(rows: list[dict[str, str]], question: str) -> dict[str, str]:
+    found, inside = {}, False
+    for row in rows:
+        inside = row["name"] == question if row["class"] == "Q" else inside
+        if inside and row["class"] == "A":
+            found[row["name"]] = row["text"]
+    return found
+
+
+def _title(rows: list[dict[str, str]], row: dict[str, str], headings: str) -> str:
+    name, text = row["name"], heading(row["text"])
+    if row["type/scale"] == "K":  # a slider, with its subquestion
+        ends = next(other["text"] for other in rows[rows.index(row) :] if other["class"] == "SQ")
+        name, text = f"{name}[SQ1]", f"{text} [{ends}]"
+    return {"code": name, "full": text, "codetext": f"{name}. {text}"}[headings]

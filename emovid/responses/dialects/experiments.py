@@ -34,6 +34,7 @@ def recognizes_psychopy(table: Table, _: Known) -> bool:
 def read_psychopy(table: Table, known: Known) -> ParsedExport:
     """Read the trials that show a video; trials of loops called practice or the like are left out."""
     table = without_word(table, "None")
+    table = _with_buttons(table, known)
     answers = tuple(name for name in table.names if name.endswith(_PSYCHOPY_RESPONSES))
     loops = [name for name in table.names if name.endswith(".thisN")]
     main = [name for name in loops if not is_practice(name.partition(".")[0])]
@@ -44,6 +45,19 @@ def read_psychopy(table: Table, known: Known) -> ParsedExport:
     counters = {name: "order" for name in main if len(main) == 1}
     roles = {name: role for name, role in raw.roles.items() if name != "emovid.order"}
     return replace(raw, roles=roles | counters)
+
+
+def _with_buttons(table: Table, known: Known) -> Table:
+    """Return a table with the names of the Button components that were clicked, if labels name such components."""
+    names = {name: name.removesuffix(".numClicks") for name in table.names if name.endswith(".numClicks")}
+    buttons = {name: button for name, button in names.items() if known.labels.find(button)}
+    if len(buttons) < 2:
+        return table
+    clicked = pd.Series("", index=table.cells.index, dtype="str")
+    for name, button in buttons.items():
+        is_clicked = ~table.cells[table.names.index(name)].isin(["", "0", "0.0"])
+        clicked = clicked.where(~is_clicked, (clicked + " and " + button).str.removeprefix(" and "))
+    return table.with_column("button.clicked_name", clicked)
 
 
 def _psychopy_marks(table: Table) -> Marks:

@@ -15,13 +15,16 @@ _LIMESURVEY = (
     ("submitdate", "date submitted", "datum abgeschickt", "date de soumission", "fecha de envío"),
     ("lastpage", "last page", "letzte seite", "dernière page", "última página"),
     ("startlanguage", "start language", "start sprache", "langue de départ", "lenguaje inicial"),
-    ("seed", "zufallsstartwert", "seme", "semilla"),
+    ("seed", "zufallsstartwert", "zufallsgeneratorstartwert", "seme", "semilla"),
     ("startdate", "date started", "datum gestartet"),
     ("datestamp", "date last action", "datum letzte aktivität"),
     ("ipaddr", "ip address", "ip adresse"),
     ("refurl", "referrer url"),
     ("interviewtime", "total time", "gesamtzeit"),
 )
+# Questions of a survey that `study export --to limesurvey` made: they are no groups.
+_KIT = ("consent", "instructions", "videoset")
+_KIT_NAME = re.compile(r"[a-z][a-z0-9]*(U[a-z0-9]*)+")
 _SOSCI = (
     "CASE", "SERIAL", "REF", "QUESTNNR", "MODE", "STARTED", "TIME_SUM", "MAILSENT", "LASTDATA", "FINISHED", "Q_VIEWER",
     "LASTPAGE", "MAXPAGE", "MISSING", "MISSREL", "TIME_RSI", "DEG_TIME", "LANGUAGE",
@@ -47,10 +50,10 @@ def recognizes_limesurvey(table: Table, _: Known) -> bool:
 
 def read_limesurvey(table: Table, known: Known) -> ParsedExport:
     """Read one row for each response; those never submitted are left out."""
-    table = _split_codes(table)
+    table = _names_of_kit(_split_codes(table), known)
     place = column(table, *_LIMESURVEY[1])
     assert place is not None  # it was recognized by this column
-    skip = [name for either in _LIMESURVEY for name in either]
+    skip = [name for either in _LIMESURVEY for name in either] + list(_KIT)
     skip += [name for name in table.names if re.search(r"time\W*$|^(question|group) ?time", name.casefold())]
     marks = Marks({"partial": table.cells[place].isin(["", "N"])})
     return read_wide(table, known, *_LIMESURVEY[0], marks=marks, skip=skip)
@@ -64,6 +67,21 @@ def _split_codes(table: Table) -> Table:
     names = tuple(part[1] if part else name for part, name in zip(parts, table.names, strict=True))
     texts = tuple(part[2] if part else name for part, name in zip(parts, table.names, strict=True))
     return replace(table, names=names, texts=texts)
+
+
+def _names_of_kit(table: Table, known: Known) -> Table:
+    """Return a table of a survey that `study export --to limesurvey` made with the names of the kit.
+
+    Headers may be names (`CODE`, `CODEconfidence[SQ1]`, `ageU1` for age_1) or full texts (`CODE: Which emotion ...`).
+    """
+    parts = [re.fullmatch(r"(\w+): (.*)", name, re.DOTALL) for name in table.names]
+    if any(part and part[1] in known.codes for part in parts):
+        names = [part[1] if part else name for part, name in zip(parts, table.names, strict=True)]
+        return replace(table, names=tuple(names))
+    if not set(known.codes) & set(table.names):
+        return table
+    names = [re.sub(r"(confidence|valence|arousal)\[SQ1\]$", r"_\1", name) for name in table.names]
+    return replace(table, names=tuple(name.replace("U", "_") if _KIT_NAME.fullmatch(name) else name for name in names))
 
 
 def recognizes_sosci(table: Table, _: Known) -> bool:

@@ -42,8 +42,8 @@ from emovid.responses.responses import FAILED_CHECK, RECORDED, SMOOTH, SURVEY_CO
 
 # Words in names of columns that accompany an answer.
 _BESIDE = re.compile(
-    r"\b(time|timing|times|rt|duration|clicks?|plays?|watched|submit|page|comments?|other|correct|confidence|"
-    r"position|order|rank|seconds|changed?|do|started|answered|at|text)\b|time$"
+    r"\b(time|timing|times|rt|duration|clicks?|plays?|watched|submit|page|comments?|other|correct|confidence|valence|"
+    r"arousal|position|order|rank|seconds|changed?|do|started|answered|at|text)\b|time$"
 )
 _PLACE = re.compile(r"\b(position|order|rank)\b")
 Pick = Callable[[Table, int, Column], Column]  # rows that show a video, given the column and the rows of known videos
