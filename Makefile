@@ -3,7 +3,7 @@ PYTHON ?= python3
 JOBS ?= $(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
 BIN := .venv/bin
 
-.PHONY: all-videos robotarium-videos robotarium-table figures gallery golden kit study test chaos coverage lint format bench bench-survey readme docs sensitivity setup clean
+.PHONY: all-videos robotarium-videos claims-table robotarium-table figures gallery golden kit study test chaos coverage lint format bench bench-survey readme docs sensitivity setup clean
 
 all-videos: .venv/installed
 	$(BIN)/emovid render --all --jobs $(JOBS) -o videos
@@ -58,6 +58,9 @@ docs: .venv/dev-installed gallery
 
 golden: .venv/dev-installed
 	$(BIN)/python -m tests.helpers.golden
+
+claims-table: .venv/installed
+	$(BIN)/python docs/make_claims.py docs
 
 robotarium-table: .venv/installed
 	$(BIN)/python docs/make_robotarium.py docs

@@ -67,8 +67,8 @@ def measure(
     · emovid measure fear.npz --only cusps,cost
     """
     from emovid.cli.terminal import listing
-    from emovid.measure.claims import excepted, judge
-    from emovid.measure.describe import claim_metrics
+    from emovid.measure.claim_metrics import claim_metrics
+    from emovid.measure.claims import exceptions, judge
     from emovid.scene.emotions import EMOTIONS
 
     every = every or (gate and not sources)
@@ -91,7 +91,7 @@ def measure(
     of_emotion = dict(zip(map(str, emotions), measured.values(), strict=True))
     motors = all(run.scene.robot.limits for run in runs)
     verdicts = judge({name: of_emotion[name] for name in EMOTIONS}, motors=motors) if gate else []
-    without_anger = excepted(motors=motors)
+    without_anger = exceptions(motors=motors)
     scenes = {source: {name: values[name] for name in shown} for source, values in measured.items()}
     if output:
         _write_csv(scenes, output)

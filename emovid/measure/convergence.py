@@ -16,6 +16,7 @@ from emovid.swarm.laws import corners_of, lloyd, locational_cost, mass_and_centr
 
 _CONVERGED = 1e-6  # of the cost: the smallest gain for which Lloyd's iteration goes on
 _MAX_PERIODS = 60  # examined for overshoot
+_MIN_LAG, _MAX_LAG = 2, 8  # control periods: a few
 
 _COST = "locational cost of Cortés et al. 2004, over the density's mass"
 
@@ -40,6 +41,12 @@ CONVERGENCE = (
         "the period's start, by more than a visible step along the line to it; at most 60 periods, evenly spread",
     ),
     Descriptor("overshoot_mean", "m", "how far they get past it, mean over those periods; 0 if there are none"),
+    Descriptor(
+        "recurrence",
+        "m",
+        "how nearly the swarm ever returns to a former state: the least, over all times and lags of 2 to 8 control "
+        "periods, of the largest distance of a robot from its place so many periods before",
+    ),
 )
 
 
@@ -63,7 +70,28 @@ def convergence(window: Window) -> dict[str, float]:
         "cost_progress": (start - end) / gain if gain > _CONVERGED * start else undefined,
         "overshoot_share": float(passes.mean()) if passes.size else undefined,
         "overshoot_mean": float(past[passes].mean()) if passes.any() else 0.0 if passes.size else undefined,
+        "recurrence": recurrence(window),
     }
+
+
+def recurrence(window: Window) -> float:
+    """Return the smallest distance [m] between two states of the swarm that are 2 to 8 control periods apart.
+
+    The distance of two states is that of the robot that moved farthest: below a centimetre, an observer sees the same
+    configuration again. NaN for a window of one period or two.
+    """
+    trajectory = window.trajectory
+    samples = np.arange(0, len(trajectory.t), trajectory.scene.steps_held)
+    t = trajectory.t[samples]
+    points = trajectory.poses[samples[(t >= window.start - 1e-9) & (t <= window.end + 1e-9)], :, :2]
+    return min(
+        (float(_moved(points[lag:] - points[:-lag]).min()) for lag in range(_MIN_LAG, min(_MAX_LAG + 1, len(points)))),
+        default=float("nan"),
+    )
+
+
+def _moved(off: Array) -> Array:
+    return np.hypot(off[..., 0], off[..., 1]).max(axis=1)
 
 
 def mean_cost(points: Array, corners: Array, density: Density) -> float:

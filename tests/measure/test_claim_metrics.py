@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from emovid.measure.describe import claim_metrics, speeds_in_a_second
+from emovid.measure.claim_metrics import claim_metrics, speeds_in_a_second
 from emovid.scene.load import Setting, load_scene
 from emovid.swarm.simulate import simulate
 

@@ -2,7 +2,7 @@ import re
 
 import pytest
 
-from emovid.measure.claims import CLAIMS, Quantity, claims_on, excepted
+from emovid.measure.claims import CLAIMS, Quantity, claims_on, exceptions
 from emovid.scene.emotions import EMOTIONS, PLATFORMS
 from emovid.scene.load import load_scene, shipped_names, shipped_scene
 from emovid.scene.model import Scene
@@ -77,8 +77,8 @@ def test_a_scenes_own_snapshots_go_before_the_papers() -> None:
 def test_robots_with_motors_are_spared_of_angers_peaks_alone() -> None:
     kept = claims_on(motors=True)
     assert claims_on(motors=False) == CLAIMS
-    assert set(excepted(motors=True)) == {claim.text for claim in CLAIMS if claim.peaks}
-    assert not excepted(motors=False)
+    assert set(exceptions(motors=True)) == {claim.text for claim in CLAIMS if claim.peaks}
+    assert not exceptions(motors=False)
     assert [claim for claim in kept if not claim.peaks] == [claim for claim in CLAIMS if not claim.peaks]
     assert len(CLAIMS) - len(kept) == 2  # the third is held against fear and disgust
     (smoother,) = (claim for claim in kept if claim.peaks)
