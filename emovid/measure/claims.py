@@ -1,7 +1,7 @@
 """Claims of the paper about its behaviors, as inequalities between measured numbers: the manipulation check.
 
 All cells of Table I that the paper applies, all cells of Table II, the captions of Figs. 3 to 8, and what Secs. II and
-III say. Numbers are of the whole video, unless the paper names a time. Factors and bounds are ours, each with its reason.
+III say. Numbers are of the whole video, unless the paper names a time. Factors and bounds are ours, with reasons.
 docs/claims.md names those that were chosen with the margins of the shipped scenes in view.
 """
 
