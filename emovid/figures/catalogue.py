@@ -28,6 +28,7 @@ from emovid.figures.runs import (
 from emovid.figures.study import answers_of, placed_answers_of, recognition_of
 from emovid.figures.style import DOUBLE_COLUMN, FORMATS, SINGLE_COLUMN, encoded
 from emovid.figures.unicycle import (
+    ANGULAR_L,
     LARGE_L,
     PATH,
     SMALL_L,
@@ -152,9 +153,14 @@ def _densities(material: Material) -> Sequence[Any]:
     return scenes, [converged(scene) for scene in scenes]
 
 
+def _following(_: Material) -> Sequence[Any]:
+    angular = follow(PATH, ANGULAR_L, angular=True)
+    return ([follow(PATH, None), follow(PATH, SMALL_L), angular, follow(PATH, LARGE_L)],)
+
+
 def _diffeomorphism(material: Material) -> Sequence[Any]:
     robot = material.scene("happiness").robot
-    return *clearest_step(material.run("happiness")), robot.body, robot.l
+    return *clearest_step(material.run("happiness")), robot.body, robot.K, robot.l
 
 
 CATALOGUE: Mapping[str, Entry] = MappingProxyType(
@@ -182,9 +188,9 @@ CATALOGUE: Mapping[str, Entry] = MappingProxyType(
             Entry(
                 "diffeomorphism-trajectory",
                 "Fig. 9",
-                "A dashed path followed by a single integrator, and by unicycles with small and with large l",
+                "A dashed path followed by a single integrator, and by unicycles with small l, held commands, large l",
                 following_figure,
-                lambda _: ([follow(PATH, l) for l in (None, SMALL_L, LARGE_L)],),
+                _following,
                 SINGLE_COLUMN,
             ),
             Entry(

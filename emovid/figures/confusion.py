@@ -1,6 +1,7 @@
 """The confusion matrix as a heat map, laid out like Table III."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -22,8 +23,8 @@ from emovid.figures.style import (
 )
 from emovid.statistics.confusions import percent
 
-_CELL_WIDTH, _CELL_HEIGHT = 29.0, 24.0  # least width and height of a cell [pt]: "64.44" in bold, over "(29)"
-_EDGES = 26.0  # what ticks, the headings and margins take in either direction [pt]
+_CELL_WIDTH, _CELL_HEIGHT = 31.0, 25.0  # least width and height of a cell [pt]: "64.44" in bold, over "(29)"
+_BESIDE, _ABOVE = 12.0, 26.0  # width of margins; height of the heading and margins [pt]
 
 
 @in_style()
@@ -49,11 +50,11 @@ def confusion_figure(
     if counts.shape != (len(rows), len(signalled)):
         raise ValueError(f"counts are {counts.shape}, labels {(len(rows), len(signalled))}")
     top, left = ([heading(label) for label in labels] for labels in (signalled, rows))
-    needed = text_width(left) + _EDGES + _CELL_WIDTH * len(top)
+    needed = text_width(left) + _BESIDE + _CELL_WIDTH * len(top)
     width = width if needed <= width * POINTS else DOUBLE_COLUMN
-    upright = text_width(top) > (width * POINTS - text_width(left) - _EDGES) / len(top) - 2
+    upright = text_width(top) > (width * POINTS - text_width(left) - _BESIDE) / len(top) - 2
     above = text_width(top) * np.sin(np.pi / 4) + TEXT if upright else TEXT
-    height = (len(left) * _CELL_HEIGHT + above + _EDGES) / POINTS
+    height = (len(left) * _CELL_HEIGHT + above + _ABOVE) / POINTS
     figure = Figure(figsize=(width, height), layout="constrained")
     axes = figure.add_subplot()
     _draw_cells(axes, counts, [[row == column for column in signalled] for row in rows])
@@ -80,7 +81,9 @@ def _draw_headings(axes: Axes, top: list[str], left: list[str], turn: float) -> 
     axes.xaxis.tick_top()
     axes.xaxis.set_label_position("top")
     axes.set_xlabel("Signaled Emotion")
-    axes.set_ylabel("Response (%)")
+    # In the corner, not beside the rows: the cells get the width, so that bold numbers do not touch their edges.
+    where: Any = {"xycoords": "axes fraction", "textcoords": "offset points"}
+    axes.annotate("Response\n(%)", (0, 1), xytext=(-3.5, 3.5), ha="right", va="bottom", **where)
     axes.tick_params(length=0)
     axes.set_xticks(np.arange(len(top) + 1) - 0.5, minor=True)
     axes.set_yticks(np.arange(len(left) + 1) - 0.5, minor=True)

@@ -31,7 +31,7 @@ _INSET = 0.3  # side of the enlarged part, over the panel's width
 _BRACKET = "|-|,widthA=0.3,widthB=0.3"
 _TURN = np.linspace(0, 2 * np.pi, 721)
 _ENDS = np.array([-1, 1])
-_COLOURS = LinearSegmentedColormap.from_list("density", matplotlib.colormaps["Blues"](np.linspace(0, 0.48, 64)))
+_COLOURS = LinearSegmentedColormap.from_list("density", matplotlib.colormaps["Blues"](np.linspace(0, 0.62, 64)))
 _DOTS = 300  # of the heat map per inch
 _STILL = 1e-5  # largest motion in a step of robots at rest [m]; a crowd around a peak keeps turning
 _MAX_STEPS = 2000

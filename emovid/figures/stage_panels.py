@@ -178,7 +178,10 @@ def draw_swarm(axes: Axes, trajectory: Trajectory, t: float, camera: PinholeCame
     else:
         rgba = [np.array(to_rgba(colour)) for colour in (*bodies, colours.wheels, colours.front)]
         solids = robot_solids(camera, scene.robot.body, poses, RobotColours(np.array(rgba[:-2]), *rgba[-2:]))
-        _fill(axes, solids.paths, list(map(tuple, solids.colours)), 3)
+        # Shadows are mixed with the stage, not translucent, which EPS is not.
+        stage, alpha = np.array(to_rgba(colours.stage)), solids.colours[:, 3:]
+        mixed = alpha * np.insert(solids.colours[:, :3], 3, 1, axis=1) + (1 - alpha) * stage
+        _fill(axes, solids.paths, list(map(tuple, mixed)), 3)
 
 
 def print_colours(scene: Scene) -> Colours:

@@ -1,5 +1,6 @@
 """Style and file formats of all figures: the same bytes in every run, independent of the user's matplotlibrc."""
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
@@ -51,7 +52,8 @@ _STYLE: Any = {
 }
 # Metadata that would differ between runs or machines is left out.
 _LEFT_OUT = {"pdf": "CreationDate", "png": "Software", "svg": "Date"}
-FORMATS = tuple(_LEFT_OUT)
+_EPS_DATE = re.compile(rb"^%%CreationDate: [^\n]*\n", re.MULTILINE)  # the EPS backend always writes it
+FORMATS = (*_LEFT_OUT, "eps")
 
 
 @contextmanager
@@ -66,8 +68,11 @@ def in_style() -> Iterator[None]:
 @in_style()
 @held_signals()  # matplotlib's compiled parts would turn the exception of a signal into an error of their own
 def encoded(figure: Figure, format: str) -> bytes:
-    """Return a figure as a file of the format: pdf, png (300 dpi) or svg."""
+    """Return a figure as a file of the format: pdf, png (300 dpi), svg or eps."""
     buffer = BytesIO()
+    if format == "eps":
+        figure.savefig(buffer, format=format)
+        return _EPS_DATE.sub(b"", buffer.getvalue(), count=1)
     figure.savefig(buffer, format=format, metadata={_LEFT_OUT[format]: None})
     return buffer.getvalue()
 
@@ -76,12 +81,12 @@ def save(figure: Figure, path: Path) -> None:
     """Write a figure as a complete file in the format of its suffix.
 
     Raises:
-        InputError: if the suffix is none of .pdf, .png, .svg.
+        InputError: if the suffix is none of .pdf, .png, .svg, .eps.
         EmovidError: if the file cannot be written.
     """
     format = path.suffix.lower().removeprefix(".")
-    if format not in _LEFT_OUT:
-        raise InputError(f"{path}: expected a name that ends in .pdf, .png or .svg")
+    if format not in FORMATS:
+        raise InputError(f"{path}: expected a name that ends in .pdf, .png, .svg or .eps")
     data = encoded(figure, format)
     with writing(path) as file:
         file.write(data)

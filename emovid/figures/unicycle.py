@@ -40,10 +40,14 @@ SMALL_L, LARGE_L = 0.005, 0.08  # m
 _SPEED = 0.08  # of the followed particle [m/s]
 _GAIN = 8.0  # K
 _PERIOD = 0.033  # s
-_STEPS = 4  # points of the trace per period
+_STEPS = 8  # points of the trace per period
+# Angular as in the scenes: commands held for long, their speed capped, so that K |u| T / l stays at 4.6. A robot then
+# makes a quarter of its speed good, and the particle is as slow.
+_ANGULARITY, _HELD, _SLOW = 4.6, 0.25, 0.23
+ANGULAR_L = _SPEED * _HELD / _ANGULARITY  # m
 
 _BLUE, _RED = "#5aa0dc", "#e08a5f"  # light enough to show the dashed path on top
-_TRACE = 2.0  # width of a trace [pt]
+_TRACE = 2.0  # width of a smooth trace [pt]
 
 
 @in_style()
@@ -81,15 +85,17 @@ class PathRun(NamedTuple):
     """A run along a path.
 
     Attributes:
-        l: the look-ahead distance [m]; None for a single integrator.
+        l: look-ahead distance [m]; None for a single integrator.
         poses: (P, 3), dense enough for a smooth line.
+        angularity: largest K |u| T / l, with commands held for T.
     """
 
     l: float | None
     poses: Array
+    angularity: float
 
 
-def follow(path: Array, l: float | None) -> PathRun:
+def follow(path: Array, l: float | None, *, angular: bool = False) -> PathRun:
     """Return the run of a robot that follows a particle along `path` (C, 2) [m] at constant speed.
 
     The law is that of a contour, u = particle - p, with p~ in place of p for a unicycle; p~ starts at the particle.
@@ -97,38 +103,33 @@ def follow(path: Array, l: float | None) -> PathRun:
     Args:
         path: corners; the first edge is longer than `l`.
         l: look-ahead distance [m]; None for a robot that moves as a single integrator.
+        angular: whether commands are held for long and their speed is capped, as in the angular scenes.
     """
     lengths = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
-    ahead = l or 0.0
+    ahead, period, most = l or 0.0, _HELD if angular else _PERIOD, _SPEED / _GAIN if angular else np.inf
+    step = _SPEED * period * (_SLOW if angular else 1.0)
     heading = np.arctan2(path[1, 1] - path[0, 1], path[1, 0] - path[0, 0])
     pose = np.array([[*path[0], heading]])
-    poses = [pose]
-    for k in range(int((lengths[-1] - ahead) / (_SPEED * _PERIOD))):
-        run = ahead + k * _SPEED * _PERIOD
+    poses, fastest = [pose], 0.0
+    for run in ahead + step * np.arange(int((lengths[-1] - ahead) / step)):
         particle = np.stack([np.interp(run, lengths, along) for along in path.T])
         u = particle - look_ahead(pose, ahead)
+        u *= min(most / max(np.hypot(*u[0]), 1e-12), 1.0)
+        fastest = max(fastest, float(np.hypot(*u[0])))
         if l is None:
             speed = _GAIN * np.hypot(*u.T)
             pose = np.column_stack([pose[:, :2], np.where(speed > 0, np.arctan2(u[:, 1], u[:, 0]), pose[:, 2])])
             command = np.column_stack([speed, 0 * speed])
         else:
             command = near_identity(u, pose[:, 2], _GAIN, l)
-        poses += [move(pose, command, _PERIOD * (i + 1) / _STEPS) for i in range(_STEPS)]
+        poses += [move(pose, command, period * (i + 1) / _STEPS) for i in range(_STEPS)]
         pose = poses[-1]
-    return PathRun(l, np.concatenate(poses))
-
-
-def strays(points: Array, path: Array) -> Array:
-    """Return the distances (P,) [m] of points (P, 2) from a path with corners (C, 2)."""
-    start, edge = path[:-1], np.diff(path, axis=0)
-    along = np.einsum("pcd,cd->pc", points[:, None] - start, edge) / np.sum(edge**2, axis=1)
-    nearest = start + np.clip(along, 0, 1)[..., None] * edge
-    return np.hypot(*np.moveaxis(points[:, None] - nearest, -1, 0)).min(axis=1)
+    return PathRun(l, np.concatenate(poses), _GAIN * fastest * period / l if l else 0.0)
 
 
 @in_style()
 def following_figure(runs: Sequence[PathRun], path: Array = PATH, *, width: float = SINGLE_COLUMN) -> Figure:
-    """Draw runs along one dashed path, one above the other, each with the robot at its end (Fig. 9).
+    """Draw runs along one dashed path, one above the other, each with robot and look-ahead point at its end (Fig. 9).
 
     Args:
         runs: from `follow`.
@@ -137,15 +138,21 @@ def following_figure(runs: Sequence[PathRun], path: Array = PATH, *, width: floa
     """
     shown = np.concatenate([path, *(run.poses[:, :2] for run in runs)])
     room = 1.1 * load_robot("gritsbot").radius
-    bounds = np.array([shown.min(axis=0) - room, shown.max(axis=0) + room])
+    bounds = np.array([shown.min(axis=0) - room, shown.max(axis=0) + np.array([room + LARGE_L, room])])
     figure, axes = panels(bounds, len(runs), 1, width, below=LINE)
     for panel, run in zip(axes, runs, strict=True):
         colour = _RED if run.l is None else _BLUE
         panel.plot(*path.T, color=INK, linewidth=0.6, linestyle=(0, (4, 3)), zorder=2.5, label="path")
-        draw_lines(panel, [run.poses[:, :2]], [colour], _TRACE)
+        draw_lines(panel, [run.poses[:, :2]], [colour], _TRACE if run.angularity < 1 else _TRACE / 2)
         body = load_robot("single_integrator" if run.l is None else "gritsbot")
         draw_robots(panel, body, run.poses[-1:], [colour], PAPER)
-        write_below(panel, "single integrator" if run.l is None else f"unicycle, $l$ = {1000 * run.l:g} mm")
+        if run.l is None:
+            write_below(panel, "single integrator")
+            continue
+        ends = np.concatenate([run.poses[-1:, :2], look_ahead(run.poses[-1:], run.l)])
+        panel.plot(*ends.T, color=INK, linewidth=0.6, zorder=4)
+        panel.plot(*ends[1], "o", color=INK, markersize=2.2, zorder=5, label="look-ahead point")
+        write_below(panel, f"unicycle, $l$ = {1000 * run.l:.2g} mm, $K|u|T/l$ up to {run.angularity:.2g}")
     return figure
 
 
@@ -167,15 +174,18 @@ def clearest_step(trajectory: Trajectory) -> tuple[Array, Array]:
 
 
 @in_style()
-def diffeomorphism_figure(pose: Array, command: Array, body: Body, l: float, *, width: float = SINGLE_COLUMN) -> Figure:
+def diffeomorphism_figure(
+    pose: Array, command: Array, body: Body, K: float, l: float, *, width: float = SINGLE_COLUMN
+) -> Figure:
     """Draw a robot at a pose, its look-ahead point p~, and the effect of a command on both (Fig. 17).
 
-    The velocity K u of p~ has the parts v along the heading and l omega across it; all three have one scale.
+    The velocity K u of p~ has the parts v along the heading and l omega across it; these and u have one scale.
 
     Args:
         pose: (3,) x [m], y [m], heading [rad]; only the heading matters.
         command: (2,) v [m/s], omega [rad/s].
         body: of the robot.
+        K: gain.
         l: distance of p~ [m].
         width: of the figure [in].
     """
@@ -195,6 +205,10 @@ def diffeomorphism_figure(pose: Array, command: Array, body: Body, l: float, *, 
     _draw_length(axes, ahead, -turned * across, body)
     for part, colour in ((forward, LINEAR), (sideways, ANGULAR), (forward + sideways, INK)):
         draw_arrow(axes, ahead, ahead + part, colour)
+    velocity = forward + sideways
+    beside_it = ahead + turned * 0.14 * body.width * _unit(np.array([-velocity[1], velocity[0]]))
+    beside_it += 0.2 * body.width * _unit(velocity)
+    draw_arrow(axes, beside_it, beside_it + velocity / K)
     for part in (forward, sideways):
         draw_line(axes, [ahead + part, ahead + forward + sideways], QUIET, (3, 3))
     radius = 0.36 * body.width
@@ -207,7 +221,8 @@ def diffeomorphism_figure(pose: Array, command: Array, body: Body, l: float, *, 
     write_math(axes, ahead + turned * 0.9 * beside * across - 0.9 * beside * along, r"$\tilde{p}$")
     write_math(axes, ahead + forward + 0.8 * beside * along, "$v$", LINEAR)
     write_math(axes, ahead + sideways + turned * 1.2 * beside * across, r"$l\,\omega$", ANGULAR)
-    write_math(axes, ahead + forward + sideways + 1.1 * beside * _unit(forward + sideways), r"$K u$")
+    write_math(axes, ahead + velocity + 1.1 * beside * _unit(velocity), r"$K u$")
+    write_math(axes, beside_it + velocity / K + 0.6 * beside * _unit(velocity), "$u$")
     return figure
 
 

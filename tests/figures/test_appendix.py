@@ -23,6 +23,7 @@ from emovid.figures.control_laws import (
 )
 from emovid.figures.interaction import interaction_figure, neighbours
 from emovid.figures.unicycle import (
+    ANGULAR_L,
     LARGE_L,
     PATH,
     SMALL_L,
@@ -31,7 +32,6 @@ from emovid.figures.unicycle import (
     follow,
     following_figure,
     robot_figure,
-    strays,
 )
 from emovid.scene.load import load_robot
 from emovid.scene.robots import Body
@@ -116,18 +116,36 @@ def test_the_velocity_of_the_look_ahead_point_is_drawn_with_its_parts(turn) -> N
     u = u if turn > 0 else np.array([0.06, -0.01])
     command = near_identity(u[None], pose[None, 2], K, l)[0]
     assert np.sign(command[1]) == turn
-    figure = diffeomorphism_figure(pose, command, load_robot("gritsbot"), l)
+    figure = diffeomorphism_figure(pose, command, load_robot("gritsbot"), K, l)
     ahead = look_ahead(np.array([[0, 0, pose[2]]]), l)[0]
     drawn = [tip - tail for tail, tip in arrows(figure.axes[0]) if np.allclose(tail, ahead)]
     v, across, whole = drawn
+    beside = [tip - tail for tail, tip in arrows(figure.axes[0]) if np.allclose(tip - tail, whole / K)]
+    assert len(beside) == 1  # u itself, to the scale of K u
     assert v + across == pytest.approx(whole)
     assert v @ across == pytest.approx(0)
     assert whole / np.linalg.norm(whole) == pytest.approx(u / np.linalg.norm(u))
     assert v / np.linalg.norm(v) == pytest.approx(ahead / l)
-    assert {"$p$", r"$\tilde{p}$", "$l$", r"$\theta$", "$K u$", "$v$", r"$\omega$"} <= set(words(figure))
+    assert {"$p$", r"$\tilde{p}$", "$l$", r"$\theta$", "$K u$", "$u$", "$v$", r"$\omega$"} <= set(words(figure))
 
 
 # --- its effect ------------------------------------------------------------------------------------------------------
+
+
+def strays(points: np.ndarray, path: np.ndarray) -> np.ndarray:
+    """Return the distances (P,) [m] of points (P, 2) from a path with corners (C, 2)."""
+    start, edge = path[:-1], np.diff(path, axis=0)
+    along = np.einsum("pcd,cd->pc", points[:, None] - start, edge) / np.sum(edge**2, axis=1)
+    nearest = start + np.clip(along, 0, 1)[..., None] * edge
+    return np.hypot(*np.moveaxis(points[:, None] - nearest, -1, 0)).min(axis=1)
+
+
+def test_commands_held_for_long_make_an_angular_trace_at_the_angularity_of_the_scenes() -> None:
+    smooth, angular = follow(PATH, SMALL_L), follow(PATH, ANGULAR_L, angular=True)
+    assert (smooth.angularity, angular.angularity) == pytest.approx((0.53, 4.6), rel=0.02)
+    assert sharpness(angular.poses[:, :2]) > 3 * sharpness(smooth.poses[:, :2])
+    assert strays(angular.poses[:, :2], PATH).max() < 0.06
+    assert np.linalg.norm(look_ahead(angular.poses[-1:], ANGULAR_L)[0] - PATH[-1]) < 0.06
 
 
 def test_error_grows_and_turning_falls_from_single_integrator_to_small_to_large_l() -> None:
@@ -167,7 +185,8 @@ def test_the_runs_stand_one_above_the_other_over_the_same_path() -> None:
     figure = following_figure([follow(PATH, l) for l in (None, SMALL_L, LARGE_L)])
     assert [word for word in words(figure) if word] == [
         "single integrator",
-        *(f"unicycle, $l$ = {1000 * l:g} mm" for l in (SMALL_L, LARGE_L)),
+        "unicycle, $l$ = 5 mm, $K|u|T/l$ up to 0.53",
+        "unicycle, $l$ = 80 mm, $K|u|T/l$ up to 0.033",
     ]
     places = [axes.get_position() for axes in figure.axes]
     assert places[0].y0 > places[1].y1 > places[1].y0 > places[2].y1

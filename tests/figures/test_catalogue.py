@@ -94,6 +94,16 @@ def test_a_png_has_300_dots_per_inch(name, folder) -> None:
     assert re.search(rb"pHYs(.{4})", png, re.DOTALL)[1] == round(300 / 0.0254).to_bytes(4, "big")
 
 
+@pytest.mark.parametrize("name", DRAWN)
+def test_an_eps_has_the_size_of_its_figure_embeds_truetype_and_no_date(name, folder) -> None:
+    eps = (folder / f"{name}.eps").read_bytes()
+    assert eps.startswith(b"%!PS-Adobe-3.0 EPSF-3.0\n")
+    left, bottom, right, _ = map(float, re.search(rb"^%%HiResBoundingBox: (.*)$", eps, re.MULTILINE)[1].split())
+    assert (left, bottom, right) == (0, 0, pytest.approx(CATALOGUE[name].width * 72, abs=0.01))
+    assert b"/FontType 42" in eps
+    assert b"%%CreationDate" not in eps
+
+
 @pytest.mark.parametrize("style", WIDTHS)
 @pytest.mark.parametrize("name", DRAWN)
 def test_text_is_readable_in_both_widths(name, style, material) -> None:
