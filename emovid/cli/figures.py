@@ -8,12 +8,13 @@ from typing import Annotated
 import typer
 
 from emovid.cli import completion
-from emovid.cli.options import Json, Quiet, Seed, Set, View, settings
+from emovid.cli.options import Force, Json, Quiet, Seed, Set, View, output_folder, settings, whole
 from emovid.cli.terminal import listing
 from emovid.errors import InputError
 from emovid.figures.catalogue import CATALOGUE
 from emovid.workflows.figures import ALL, OF_ANY_SCENE, make_figures, plan_figures
 from emovid.workflows.gallery import GALLERY
+from emovid.workflows.outputs import STDOUT
 from emovid.workflows.snapshots import CONTACT, FRAMES, MOST, Moments
 
 
@@ -37,9 +38,10 @@ def figures(
         ),
     ] = None,
     listed: Annotated[bool, typer.Option("--list", "-l", help="List the figures.")] = False,
-    output: Annotated[Path, typer.Option("--output", "-o", help="The folder for figures, created if missing.")] = Path(
-        "figures"
-    ),
+    output: Annotated[
+        Path,
+        typer.Option("--output", "-o", help="The folder for figures, created if missing; - prints one as text."),
+    ] = Path("figures"),
     formats: Annotated[
         list[str] | None,
         typer.Option(
@@ -60,11 +62,18 @@ def figures(
     ] = None,
     count: Annotated[
         int | None,
-        typer.Option("--count", help="Number of times, evenly from start to end.", min=1, max=MOST, show_default=False),
+        typer.Option(
+            "--count",
+            metavar="INTEGER",
+            help="Number of times, evenly from start to end.",
+            show_default=False,
+            parser=whole("--count", 1, MOST),
+        ),
     ] = None,
     pairs: Set = None,
     view: View = None,
     seed: Seed = None,
+    force: Force = False,
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
@@ -80,9 +89,10 @@ def figures(
     given = {"--times": times is not None, "--count": count is not None, "--set": bool(pairs), "--view": bool(view)}
     _check_options(names, formats, [option for option, is_given in given.items() if is_given])
     overrides = settings(pairs, seed, {"view": view})
-    plan = plan_figures(names, formats, style, study, Moments(times, count), overrides, output)
+    folder = output if output == STDOUT else output_folder(output)
+    plan = plan_figures(names, formats, style, study, Moments(times, count), overrides, folder)
     with listing(plan.steps, quiet=quiet or as_json) as done:
-        make_figures(plan, done)
+        make_figures(plan, done, force=force)
     if as_json:
         written = {name: [str(target) for target in group] for name, group in plan.targets.items()}
         typer.echo(json.dumps({"figures": written, "left_out": plan.left_out}, indent=2))

@@ -2,12 +2,10 @@
 
 import errno
 import gc
-import os
 import signal
 import sys
 from collections.abc import Iterable
 from importlib import import_module
-from io import TextIOWrapper
 from typing import Annotated, Any, NamedTuple, NoReturn
 
 import typer
@@ -15,6 +13,7 @@ from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
 import emovid
+from emovid.cli.environment import set_up_libraries, set_up_streams
 from emovid.errors import EmovidError, reason, say_warnings_in_one_line
 
 
@@ -162,7 +161,7 @@ def main(arguments: list[str] | None = None) -> int:
         code = int(typer.main.get_command(app)(arguments, prog_name="emovid", standalone_mode=False) or 0)
         return _fail("interrupted: run again to make what is missing", code) if code == 130 else code
     except EmovidError as error:
-        return _fail(str(error), error.exit_code)
+        return _fail(str(error), 1 if _is_denied(error) else error.exit_code)
     except TyperException as error:
         return _fail(error.format_message(), error.exit_code)
     except MemoryError:
@@ -170,6 +169,13 @@ def main(arguments: list[str] | None = None) -> int:
     except OSError as error:  # that no command handles, such as a file name that is too long for the system
         place = f"{error.filename}: " if error.filename else ""
         return _fail(place + reason(error), 2 if error.errno == errno.ENAMETOOLONG else 1)
+
+
+def _is_denied(error: BaseException | None) -> bool:
+    """Return whether an error comes from missing permissions, whatever was to be read or written."""
+    while error and not isinstance(error, PermissionError):
+        error = error.__context__
+    return error is not None
 
 
 def _fail(message: str, code: int) -> int:
@@ -184,12 +190,11 @@ def _on_sigterm(*_: object) -> NoReturn:
 def run() -> NoReturn:
     """Run as a program; SIGTERM ends it like Ctrl-C, and work in progress is undone."""
     signal.signal(signal.SIGTERM, _on_sigterm)
-    if isinstance(sys.stdout, TextIOWrapper):  # as stderr: characters that the encoding lacks, names that are not UTF-8
-        sys.stdout.reconfigure(errors="backslashreplace")
+    set_up_streams()
+    set_up_libraries()
     say_warnings_in_one_line()
-    # Commands are short. OpenBLAS threads, which help only with larger matrices than ours, would cost 0.2 s each to
-    # start; garbage collection costs 0.05 s during imports and 0.1 s at exit, where all memory is freed anyway.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # Commands are short: garbage collection costs 0.05 s during imports, and 0.1 s at exit, where all memory is freed
+    # anyway.
     gc.set_threshold(100_000)
     code = main()
     gc.freeze()

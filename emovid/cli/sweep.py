@@ -14,7 +14,7 @@ import typer
 from emovid.batch.results import TABLE
 from emovid.batch.sweep import Items, shard_of
 from emovid.batch.sweep_file import find_sweep, read_sweep
-from emovid.cli.options import Force, Jobs, Json, Quiet
+from emovid.cli.options import Force, Jobs, Json, Quiet, output_folder
 from emovid.cli.terminal import raise_failures, reporter
 from emovid.workflows.sweeps import Step, SweepOutcome, SweepRun, check_output, plan_sweep, run_sweep
 
@@ -64,7 +64,7 @@ def sweep(
     items = Items(read_sweep(find_sweep(file), only))
     part = shard_of(shard) if shard else (1, 1)
     run = SweepRun(output or Path(FOLDER) / file.stem, part, force, jobs or os.cpu_count() or 1, scheduler, wait)
-    check_output(run.folder)
+    check_output(output_folder(run.folder))
     if dry_run:
         _show_steps(list(plan_sweep(items, run)), as_json)
         return

@@ -27,7 +27,8 @@ from emovid.video.canvas import Pixels
 
 IDLE_TIMEOUT = 60.0  # seconds without progress, after which ffmpeg counts as hung
 RUN_TIMEOUT = 600.0  # seconds for a whole run that only reads a file
-_INSTALL = "reinstall imageio-ffmpeg, or set IMAGEIO_FFMPEG_EXE"
+_VARIABLE = "IMAGEIO_FFMPEG_EXE"  # by which imageio-ffmpeg takes another executable
+_INSTALL = f"reinstall imageio-ffmpeg, or set {_VARIABLE}"
 _SYSTEM_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS, errno.EACCES, errno.ENOENT)
 
 Process = subprocess.Popen[bytes]
@@ -86,7 +87,7 @@ def run(arguments: Sequence[str], timeout: float | None = None) -> Output:
     try:
         done = subprocess.run([executable(), *arguments], capture_output=True, check=False, timeout=limit)
     except OSError as error:
-        raise RenderError(f"ffmpeg cannot be started: {executable()}: {reason(error)}: {_INSTALL}") from None
+        raise _not_started(executable(), error) from None
     except subprocess.TimeoutExpired:
         raise RenderError(f"ffmpeg does not answer within {limit:g} s: {executable()}") from None
     return Output(done.returncode, done.stdout, done.stderr.decode(errors="replace"))
@@ -195,8 +196,15 @@ def _start(command: list[str], target: Path, stdin: int, stdout: int, log: IO[by
             process_group=0,  # Ctrl-C reaches emovid alone, which then ends ffmpeg
         )
     except OSError as error:
-        why = f"{command[0]}: {reason(error)}: {_INSTALL}"
-        raise RenderError(f"{target}: ffmpeg cannot be started: {why}") from None
+        raise RenderError(f"{target}: {_not_started(command[0], error)}") from None
+
+
+def _not_started(program: str, error: OSError) -> RenderError:
+    """Return the error of an executable that the system does not start, with a remedy if the executable is at fault."""
+    remedy = ""
+    if error.errno in (errno.ENOENT, errno.EACCES, errno.ENOEXEC, errno.ENOTDIR):
+        remedy = f": {_VARIABLE} names it: unset this variable" if _VARIABLE in os.environ else f": {_INSTALL}"
+    return RenderError(f"ffmpeg cannot be started: {program}: {reason(error)}{remedy}")
 
 
 def _wait_for(pipe: IO[bytes], event: int) -> None:

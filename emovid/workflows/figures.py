@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from emovid.atomic_io import make_folder, writing
+from emovid.atomic_io import make_folder
 from emovid.errors import EmovidError, InputError, nearest
 from emovid.figures.catalogue import CATALOGUE, MEASURES, STUDY, TEXTS, WIDTHS, Entry
 from emovid.figures.run_cache import Material
@@ -24,11 +24,13 @@ from emovid.scene.resources import STUDIES
 from emovid.statistics.analyze import analyze, analyze_counts
 from emovid.swarm.simulate import check_start
 from emovid.workflows.gallery import GALLERY, gallery, steps
+from emovid.workflows.outputs import STDOUT, write_outputs
 from emovid.workflows.snapshots import CONTACT, FRAMES, Moments, figure_at_times
 
 ALL = "all"
 OF_ANY_SCENE = (FRAMES, CONTACT)
 _DEFAULT_FORMATS = ("pdf", "png", "tex", "md")
+_TEXT_FORMATS = {"svg", *TEXTS}
 _VIDEOS = (".mp4", ".webm", ".gif")
 
 
@@ -37,7 +39,7 @@ class FigurePlan:
     """The figures to make, after all checks.
 
     Attributes:
-        output: the folder.
+        output: the folder, or `STDOUT` for a single file of text.
         formats: of each figure of the catalogue.
         page: the figures of the gallery; None without a gallery.
         width: of all figures [in]; None for each one's own.
@@ -55,6 +57,8 @@ class FigurePlan:
     @property
     def targets(self) -> dict[str, list[Path]]:
         """The files of each figure."""
+        if self.output == STDOUT:
+            return {entry.name: [STDOUT] for entry in self.formats}
         files = {
             entry.name: [self.output / f"{entry.name}.{suffix}" for suffix in suffixes]
             for entry, suffixes in self.formats.items()
@@ -106,20 +110,29 @@ def plan_figures(
         left_out=faults,
         material=material,
     )
-    _check_output(output, [target for group in plan.targets.values() for target in group])
+    targets = [target for group in plan.targets.values() for target in group]
+    if output != STDOUT:
+        _check_output(output, targets)
+    elif plan.page is not None or len(asked) != 1 or len(formats) != 1 or formats[0] not in _TEXT_FORMATS:
+        raise InputError(f"-o -: prints one figure in one --format of {', '.join(sorted(_TEXT_FORMATS))}")
     return plan
 
 
-def make_figures(plan: FigurePlan, done: Callable[[str], None]) -> None:
-    """Write the figures of a plan, and call `done` with the name of each one written."""
+def make_figures(plan: FigurePlan, done: Callable[[str], None], *, force: bool) -> None:
+    """Make the figures of a plan and write them all at the end; call `done` with the name of each one made.
+
+    Raises:
+        InputError: for an existing file with other content, unless with `force`; nothing is written then.
+    """
+    files: dict[Path, bytes] = {}
     for entry, suffixes in plan.formats.items():
         made = entry.files(plan.material, suffixes, plan.width)
-        for target, data in zip(plan.targets[entry.name], made, strict=True):
-            _write(target, data)
+        files.update(zip(plan.targets[entry.name], made, strict=True))
         done(f"{plan.output / entry.name}: {', '.join(suffixes)}")
     if plan.page is not None:
         page = gallery(plan.material, plan.page, lambda part: done(f"{plan.output / GALLERY}: {part}"))
-        _write(plan.output / f"{GALLERY}.html", page)
+        files[plan.output / f"{GALLERY}.html"] = page
+    write_outputs(files, force=force)
 
 
 def study_results(source: Path | None) -> FigureData:
@@ -174,7 +187,9 @@ def _entries(names: Sequence[str], moments: Moments, settings: Sequence[Setting]
 
 
 def _hint_for_file(name: str) -> str:
-    """Return the figure that can be made of a file, as a hint; "" for the name of no file."""
+    """Return the figure that can be made of a scene or a file, as a hint; "" for another name."""
+    if name in EMOTIONS:
+        return f" (did you mean {name}-frames?)"
     suffix = Path(name).suffix.lower()
     kind = FRAMES if suffix in (".yaml", ".yml", ".npz") else CONTACT if suffix in _VIDEOS else ""
     return kind and f" (did you mean {kind} {name}?)"
@@ -222,19 +237,12 @@ def _faults(asked: Iterable[Entry], material: Material) -> dict[str, str]:
 
 def _check_output(folder: Path, targets: Sequence[Path]) -> None:
     """Create the folder, and check that the figures can be written into it."""
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"-o {folder}: is a file; expected a folder")
     try:
         make_folder(folder)
     except EmovidError as error:
         raise InputError(f"-o {error}") from None
     if not os.access(folder, os.W_OK | os.X_OK):
-        raise InputError(f"-o {folder}: cannot be written to")
+        raise EmovidError(f"-o {folder}: cannot be written to")
     for target in targets:
         if target.is_dir():
             raise InputError(f"{target}: is a folder; expected a file that can be replaced")
-
-
-def _write(target: Path, data: bytes) -> None:
-    with writing(target) as file:
-        file.write(data)

@@ -155,13 +155,7 @@ def _adopted(jobs: Sequence[Job], pool: Pool) -> dict[Path, Record]:
         InputError: for a file that is something else.
     """
     manifests = {folder: read_manifest(folder) for folder in {job.target.parent for job in jobs}}
-    unknown = [
-        job
-        for job in jobs
-        if job.target.name not in manifests[job.target.parent]
-        and job.target.exists()
-        and job.target.is_dir() == (job.scene.video.format == "png-sequence")  # otherwise making it fails
-    ]
+    unknown = [job for job in jobs if job.target.name not in manifests[job.target.parent] and _is_result(job)]
     adopted = {}
     with TemporaryDirectory() as folder:
         copies = {job: replace(job, target=Path(folder) / job.target.name) for job in unknown}
@@ -178,6 +172,13 @@ def _adopted(jobs: Sequence[Job], pool: Pool) -> dict[Path, Record]:
             for target, record in adopted.items():
                 journal.add(target.name, record)
     return adopted
+
+
+def _is_result(job: Job) -> bool:
+    """Return whether the target of a job may be a result: a file, or a folder of pictures."""
+    if job.scene.video.format == "png-sequence":
+        return job.target.is_dir() and any(job.target.iterdir())
+    return job.target.is_file()  # making it fails if there is a folder
 
 
 class _Silent:

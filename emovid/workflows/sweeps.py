@@ -1,5 +1,6 @@
 """Sweeps from the sweep file to the table of results, and what a sweep would do."""
 
+import json
 from collections.abc import Iterator
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
@@ -90,6 +91,8 @@ def run_sweep(items: Items, run: SweepRun, open_reporter: OpenReporter, outcome:
         InputError: for an invalid item, before anything is written, or if another sweep is being made in the folder.
         EmovidError: if nothing can be recorded, or the cluster cannot be used.
     """
+    if not run.force:
+        _check_plan(items, run.folder)
     numbers = run.numbers(items)
     with open_reporter(len(numbers)) as report:
         missing, moved = _missing(items, run, report, outcome)
@@ -109,6 +112,21 @@ def run_sweep(items: Items, run: SweepRun, open_reporter: OpenReporter, outcome:
                     raise
     outcome.finished = write_summary(run.folder, items, run.processes)
     touch(run.folder / TABLE)
+
+
+def _check_plan(items: Items, folder: Path) -> None:
+    """Raise an `InputError` for a folder with results that are not in the sweep: its table would lose them."""
+    try:
+        plan = json.loads((folder / manifest.PLAN).read_bytes())
+    except (OSError, ValueError):  # no sweep yet, or a damaged plan
+        return
+    if plan == json.loads(items.sweep.plan(folder).text) or plan.get("only", "video") != items.sweep.only:
+        return
+    recorded = {name for name, record in read_manifest(folder).items() if record.only == items.sweep.only}
+    lost = recorded - {item.name for item in items.expand(range(1, len(items) + 1))}
+    if lost:
+        problem = f"exists with other settings ({len(lost)} of its results are not in this sweep)"
+        raise InputError(f"{folder / manifest.PLAN} {problem}; use --force to overwrite it, or -o")
 
 
 def _missing(items: Items, run: SweepRun, report: Reporter, outcome: SweepOutcome) -> tuple[list[int], Records]:

@@ -102,10 +102,10 @@ def test_another_study_gives_its_figures_and_what_it_lacks_is_left_out_of_all(ca
     capsys.readouterr()
     Path("marked.json").write_bytes(b"\xef\xbb\xbf" + Path("results/results.json").read_bytes())  # as some editors do
     sources = ("results", "results/results.json", "results/confusion_matrix.csv", "marked.json")
-    for source in sources:
+    for number, source in enumerate(sources):
         arguments = ["confusion-matrix", "--study", source, "--format", "svg", "--quiet"]
-        assert main(["figures", *arguments, "-o", f"of-{source.replace('/', '-')}"]) == 0
-    (made,) = {Path(f"of-{source.replace('/', '-')}/confusion-matrix.svg").read_bytes() for source in sources}
+        assert main(["figures", *arguments, "-o", f"of-{number}"]) == 0
+    (made,) = {Path(f"of-{number}/confusion-matrix.svg").read_bytes() for number in range(len(sources))}
     assert main(["figures", "confusion-matrix", "--format", "svg", "--quiet"]) == 0
     assert Path("figures/confusion-matrix.svg").read_bytes() != made
     assert main(["figures", "accuracy-gender", "--study", "results", "-o", "none"]) == 2
@@ -142,7 +142,7 @@ def test_results_with_a_group_of_another_form_are_refused(capsys) -> None:
 
 def test_a_folder_that_cannot_be_written_to_is_said_before_figures_are_drawn(monkeypatch, capsys) -> None:
     monkeypatch.setattr(os, "access", lambda *_: False)  # the tests may be run by root, who can always
-    assert main(["figures", "gritsbot", "-o", "theirs"]) == 2
+    assert main(["figures", "gritsbot", "-o", "theirs"]) == 1
     assert capsys.readouterr().err == "-o theirs: cannot be written to\n"
 
 
@@ -154,7 +154,10 @@ def test_a_folder_that_cannot_be_written_to_is_said_before_figures_are_drawn(mon
         (["awe.yaml"], "awe.yaml: no such figure (did you mean frames awe.yaml?); --list shows them"),
         (["awe.MP4"], "awe.MP4: no such figure (did you mean contact-sheet awe.MP4?); --list shows them"),
         (["gritsbot", "zzz"], "zzz: no such figure; --list shows them"),
-        (["gritsbot", "--format", "pfd"], "--format pfd: expected one of pdf, png, svg, tex, md (did you mean pdf?)"),
+        (
+            ["gritsbot", "--format", "pfd"],
+            "--format pfd: expected one of pdf, png, svg, tex, md, html (did you mean pdf?)",
+        ),
         (["gritsbot", "--format", "tex"], "gritsbot: cannot be written as tex; expected one of pdf, png, svg"),
         (
             ["gritsbot", "--style", "two-colum"],
@@ -235,3 +238,41 @@ def test_a_terminal_sees_a_bar_that_names_figures() -> None:
 def test_matplotlib_is_imported_by_the_command_alone() -> None:
     script = "import sys, emovid.cli.main; assert not {'matplotlib', 'numpy', 'pandas'} & set(sys.modules)"
     subprocess.run([sys.executable, "-c", script], check=True)
+
+
+def test_a_figure_with_other_content_is_replaced_only_by_force(capsys) -> None:
+    frames = ["figures", "frames", "sadness", "--set", "duration=1", "--format", "svg", "--quiet"]
+    assert main([*frames, "--times", "0"]) == 0
+    assert main([*frames, "--times", "0"]) == 0  # the same
+    before = Path("figures/sadness-frames.svg").read_bytes()
+    capsys.readouterr()
+    assert main([*frames, "--times", "1"]) == 2
+    refused = "figures/sadness-frames.svg exists with other content; use --force to overwrite it, or -o\n"
+    assert capsys.readouterr().err == refused
+    assert Path("figures/sadness-frames.svg").read_bytes() == before
+    assert main([*frames, "--times", "1", "--force"]) == 0
+    assert Path("figures/sadness-frames.svg").read_bytes() != before
+
+
+def test_none_of_several_figures_is_written_if_one_is_there_with_other_content() -> None:
+    Path("figures").mkdir()
+    Path("figures/gritsbot.svg").write_text("mine")
+    assert main(["figures", "attributes", "gritsbot", "--format", "svg", "--format", "md", "--quiet"]) == 2
+    assert files() == {"figures/gritsbot.svg"}
+
+
+def test_one_figure_in_one_format_of_text_is_printed(capsysbinary) -> None:
+    assert main(["figures", "attributes", "--format", "md", "--quiet"]) == 0
+    assert main(["figures", "attributes", "--format", "md", "-o", "-", "--quiet"]) == 0
+    assert capsysbinary.readouterr().out == Path("figures/attributes.md").read_bytes()
+    for arguments in (["attributes"], ["gritsbot", "--format", "png"], ["gritsbot", "shapes", "--format", "svg"]):
+        assert main(["figures", *arguments, "-o", "-"]) == 2
+        assert b"-o -: prints one figure in one --format of html, md, svg, tex" in capsysbinary.readouterr().err
+    assert files() == {"figures/attributes.md"}
+
+
+@pytest.mark.parametrize("name", ["fig3.pdf", "fig3.png", "fig3.eps", "a.zip", "b.ogv"])
+def test_the_name_of_a_file_is_no_folder(name, capsys) -> None:
+    assert main(["figures", "gritsbot", "-o", name]) == 2
+    assert capsys.readouterr().err == f"-o {name}: cannot write .{name.partition('.')[2]}; expected a folder\n"
+    assert files() == set()

@@ -189,3 +189,40 @@ def test_status_and_verify_speak_of_rendered_folders_too(capsys) -> None:
     said = capsys.readouterr().out
     assert said.startswith("corrupt: anger.mp4\n1 results: 1 corrupt\n")
     assert json.loads(said.split("corrupt\n")[-1])["counts"] == {"corrupt": 1}
+
+
+FOREIGN = {
+    "manifest.json": '{"name": "My site", "icons": []}',
+    "plan.json": '{"thesis": "chapter 1"}',
+    "results.csv": "participant,answer\np1,anger\n",
+}
+
+
+@pytest.mark.parametrize("name", FOREIGN)
+@pytest.mark.parametrize("force", [[], ["--force"]])
+def test_a_file_of_another_program_is_never_replaced(name, force, capsys) -> None:
+    Path("mine").mkdir()
+    Path("mine", name).write_text(FOREIGN[name])
+    assert sweep("-o", "mine", "--only", "measure", *force) == 2
+    problem = "was not written by emovid; move it, or choose another folder"
+    assert capsys.readouterr().err == f"mine/{name}: {problem}\n"
+    assert contents("mine") == {name: FOREIGN[name].encode()}
+
+
+def test_the_results_of_another_sweep_are_replaced_only_by_force(capsys) -> None:
+    def write(seeds: str) -> None:
+        Path("s.yaml").write_text(f"only: measure\nscenes: [anger]\nseeds: {seeds}\nset: {{duration: 0.4}}\n")
+
+    write("[1, 2]")
+    assert sweep("-o", "out") == 0
+    write("[1, 2, 3]")
+    assert sweep("-o", "out") == 0  # it keeps all
+    before = contents("out")
+    write("[2, 3]")
+    capsys.readouterr()
+    assert sweep("-o", "out") == 2
+    problem = "exists with other settings (1 of its results are not in this sweep)"
+    assert capsys.readouterr().err == f"out/plan.json {problem}; use --force to overwrite it, or -o\n"
+    assert contents("out") == before
+    assert sweep("-o", "out", "--force") == 0
+    assert [row["seed"] for row in rows("out")] == ["2", "3"]
