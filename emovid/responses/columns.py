@@ -237,7 +237,7 @@ class _Evidence:
         index = {name: i for i, name in enumerate(names)}
         videos = np.array([index.get(code, -1) for code in codes], dtype=np.int64)[places]
         people = None if person is None else pd.factorize(table.cells[person])[0]
-        shown = table.rows(videos >= 0)
+        shown = table.rows(videos >= 0) if (videos >= 0).any() else table
         labels = {}
         for place in range(len(table.names)):
             named_by_map = table.names[place] in (*known.mapping.response, known.mapping.truth)

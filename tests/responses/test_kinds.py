@@ -1,0 +1,328 @@
+"""Kinds of exports that could be counted wrong without a word: each is analyzed right or refused."""
+
+import pytest
+
+from emovid.errors import SourceError
+from emovid.responses.read import read_responses
+from emovid.responses.responses import Responses, Synonym
+from tests.responses.test_cases import matrix
+
+KEY = "video_code,true_emotion\nz8r4,happiness\nk2m9,fear\np5t1,anger\n"
+GIVEN = {
+    "s1": {"z8r4": "happiness", "k2m9": "surprise", "p5t1": "disgust"},
+    "s2": {"z8r4": "surprise", "k2m9": "fear", "p5t1": "anger"},
+    "s3": {"z8r4": "happiness", "k2m9": "sadness", "p5t1": "disgust"},
+}
+TRUE = {"z8r4": "happiness", "k2m9": "fear", "p5t1": "anger"}
+RIGHT = {
+    "anger": {"anger": 1, "disgust": 2},
+    "fear": {"fear": 1, "sadness": 1, "surprise": 1},
+    "happiness": {"happiness": 2, "surprise": 1},
+}
+NUMBERS = {"happiness": "1", "surprise": "2", "anger": "3", "fear": "4", "disgust": "5", "sadness": "6"}
+ANSWERS = "answers: {1: happiness, 2: surprise, 3: anger, 4: fear, 5: disgust, 6: sadness}\n"
+
+
+def long(head: str, row, people=GIVEN) -> str:
+    """A table with one row for each answer, from participant, video and answer."""
+    return head + "\n" + "".join(row(p, c, label) + "\n" for p, given in people.items() for c, label in given.items())
+
+
+@pytest.fixture
+def read(tmp_path):
+    """Read files by their names, with the key and the text of a map."""
+
+    def read(files: str | dict[str, str], mapping: str = "", key: str = KEY, **how) -> Responses:
+        folder = tmp_path / "data"
+        files = {"x.csv": files} if isinstance(files, str) else files
+        for name, text in files.items():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (folder / name).write_text(text)
+        (tmp_path / "key.csv").write_text(key)
+        (tmp_path / "map.yaml").write_text(mapping)
+        source = folder if len(files) > 1 else folder / next(iter(files))
+        paths = [tmp_path / name if text else None for name, text in (("key.csv", key), ("map.yaml", mapping))]
+        return read_responses(source, *paths, **how)
+
+    return read
+
+
+@pytest.fixture
+def refusal(read, tmp_path):
+    def refusal(*given, **how) -> str:
+        with pytest.raises(SourceError) as error:
+            read(*given, **how)
+        return str(error.value).replace(f"{tmp_path}/", "")
+
+    return refusal
+
+
+# 1. The column of the true emotion
+
+
+@pytest.mark.parametrize("name", ["emotion", "label", "answer", "response", "condition", "category", "Angezeigt"])
+@pytest.mark.parametrize("spell", [str, str.upper, {"happiness": "joy", "fear": "afraid", "anger": "angry"}.get])
+def test_a_column_of_true_emotions_is_never_the_answer_whatever_its_name(read, name, spell) -> None:
+    text = long(f"participant,stimulus,{name},felt", lambda p, c, label: f"{p},{c}.mp4,{spell(TRUE[c])},{label}")
+    assert matrix(read(text)) == RIGHT
+
+
+def test_a_column_with_one_label_for_each_video_is_no_answer_even_if_the_key_differs(read) -> None:
+    other = {"z8r4": "fear", "k2m9": "fear", "p5t1": "disgust"}
+    text = long("participant,stimulus,response,felt", lambda p, c, label: f"{p},{c}.mp4,{other[c]},{label}")
+    assert matrix(read(text)) == RIGHT
+
+
+def test_true_emotions_alone_are_refused_with_the_line_that_decides_and_the_map_may_insist(read, refusal) -> None:
+    text = long("participant,stimulus,answer,rt", lambda p, c, _: f"{p},{c}.mp4,{TRUE[c]},1.{len(c)}")
+    message = refusal(text)
+    assert "column 'answer' agrees with the key on all 9 rows, so it seems to hold the true emotions" in message
+    assert "expected map.yaml: response: the column of answers (answer, if all answers are right)" in message
+    found = read(text, "response: answer\n")
+    assert matrix(found) == {emotion: {emotion: 3} for emotion in sorted(TRUE.values())}
+    (warning,) = found.warnings
+    assert "'answer', which the map names for the answers, agrees with the key on all 9 rows" in warning
+
+
+def test_two_columns_that_could_be_the_answers_are_refused_by_name(read, refusal) -> None:
+    guess = {"happiness": "fear", "surprise": "anger"}
+    text = long("participant,video,response,second", lambda p, c, x: f"{p},{c},{x},{guess.get(x, 'sadness')}")
+    assert "answers in 'response' and 'second'; expected map.yaml: response: one of them" in refusal(text)
+    assert matrix(read(text, "response: response\n")) == RIGHT
+
+
+def test_a_column_about_participants_is_no_answer(read) -> None:
+    mood = {"s1": "happy", "s2": "sad", "s3": "happy"}
+    text = long("participant,video,mood,felt", lambda p, c, label: f"{p},{c},{mood[p]},{label}")
+    assert matrix(read(text)) == RIGHT
+
+
+def test_true_emotions_in_columns_of_videos_are_no_answers(read, refusal) -> None:
+    head = "id," + ",".join(f"{c}_shown,{c}_felt" for c in TRUE) + "\n"
+    rows = [[p, *(cell for c in TRUE for cell in (TRUE[c], given[c]))] for p, given in GIVEN.items()]
+    assert matrix(read(head + "\n".join(map(",".join, rows)))) == RIGHT
+    coded = [[p, *(cell for c in TRUE for cell in (TRUE[c], NUMBERS[given[c]]))] for p, given in GIVEN.items()]
+    assert "agree with the key in all 9 answers" in refusal(head + "\n".join(map(",".join, coded)))
+
+
+def test_the_map_s_column_of_truth_replaces_the_key(read) -> None:
+    text = long("participant,video,intention,felt", lambda p, c, label: f"{p},{c}.mp4,{TRUE[c]},{label}")
+    assert matrix(read(text, "truth: intention\n", key="")) == RIGHT
+    assert matrix(read(text, key="")) == RIGHT  # it has one label for each video, so that it cannot be anything else
+
+
+# 2. Rows that are no answers of the study
+
+
+@pytest.mark.parametrize(
+    ("name", "practice", "main"),
+    [
+        ("phase", "practice", "test"),
+        ("block_name", "Training 1", "Main"),
+        ("is_practice", "TRUE", "FALSE"),
+        ("Block", "Übungsblock", "Hauptblock"),
+        ("trial type", "attention check", "video"),
+        ("section", "instructions", "task"),
+    ],
+)
+def test_rows_of_practice_instructions_and_checks_are_left_out_and_counted(read, name, practice, main) -> None:
+    text = long(f"participant,video,felt,{name}", lambda p, c, label: f"{p},{c},{label},{main}")
+    text += "".join(f"{p},k2m9,disgust,{practice}\n" for p in GIVEN)
+    found = read(text)
+    assert matrix(found) == RIGHT
+    assert list(found.left_out.values()) == [3]
+
+
+def test_training_between_participants_is_an_experimental_condition(read) -> None:
+    groups = {"s1": "training", "s2": "control", "s3": "training"}
+    text = long("participant,video,felt,condition", lambda p, c, label: f"{p},{c},{label},{groups[p]}")
+    found = read(text)
+    assert (matrix(found), found.left_out) == (RIGHT, {})
+    assert found.participants["condition"].to_dict() == groups
+
+
+def test_the_map_keeps_or_leaves_out_rows(read, refusal) -> None:
+    text = long("participant,video,felt,part", lambda p, c, label: f"{p},{c},{label},B")
+    text += "".join(f"{p},k2m9,disgust,A\n" for p in GIVEN)
+    for rows in ("keep: {part: B}", "leave_out: {part: [A]}"):
+        found = read(text, f"rows: {{{rows}}}\n")
+        assert matrix(found) == RIGHT
+        assert list(found.left_out.values()) == [3]
+    assert "3 of 12 answers repeat" in refusal(text)
+    message = refusal(text, "drop: {part: [A]}\n")
+    assert "drop leaves out participants; expected rows: {leave_out: {part: [A]}}" in message
+
+
+# 3. PsychoPy: one column of answers for each routine
+
+PSYCHOPY = ",participant,date,expName,psychopyVersion"
+
+
+def test_answers_of_two_routines_are_all_read(read) -> None:
+    head = f"videoFile,block_a.thisN,block_b.thisN,key_resp.keys,key_resp_2.keys{PSYCHOPY}"
+
+    def row(p: str, c: str, label: str) -> str:
+        n, k = list(TRUE).index(c), NUMBERS[label]
+        return f"stim/{c}.mp4," + (f"{n},,{k},," if n < 2 else f",0,,{k},") + f"{p},2026,emo,2026.1"
+
+    found = read(long(head, row), ANSWERS)
+    assert matrix(found) == RIGHT
+    assert found.answers.groupby("participant")["position"].apply(list).tolist() == [[1, 2, 3]] * 3
+
+
+def test_a_key_that_starts_each_trial_is_no_answer(read, refusal) -> None:
+    head = f"videoFile,trials.thisN,start.keys,choice.keys,sure.keys{PSYCHOPY}"
+
+    def row(p: str, c: str, label: str, sure: str = "x") -> str:
+        return f"{c}.mp4,{list(TRUE).index(c)},space,{NUMBERS[label]},{sure},{p},2026,emo,2026.1"
+
+    assert matrix(read(long(head, row), ANSWERS)) == RIGHT
+    both = long(head, lambda p, c, label: row(p, c, label, sure=str(len(p + c) % 3 + list(TRUE).index(c) + 1)))
+    assert "answers in 'choice.keys' and 'sure.keys'; expected map.yaml: response: one of them" in refusal(
+        both, ANSWERS
+    )
+    assert matrix(read(both, f"{ANSWERS}response: choice.keys\n")) == RIGHT
+
+
+# 4. One participant for each file
+
+
+def files_of(head: str, name) -> dict[str, str]:
+    return {name(p): long(head, lambda _, c, label: f"{c}.mp4,{label}", {p: given}) for p, given in GIVEN.items()}
+
+
+def test_files_of_one_name_in_several_folders_are_several_participants(read) -> None:
+    found = read(files_of("stimulus,felt", lambda p: f"{p}/session/data.csv"))
+    assert matrix(found) == RIGHT
+    assert found.participants.index.tolist() == ["s1/session/data", "s2/session/data", "s3/session/data"]
+
+
+def test_the_map_can_say_that_each_file_is_a_participant(read, refusal) -> None:
+    texts = files_of("stimulus,felt", lambda p: f"{p}.csv")
+    texts = {name: f"{text}z8r4.mp4,happiness\n" for name, text in texts.items()}
+    assert "participant: each file if a file is one person's" in refusal(texts)
+    found = read(texts, "participant: each file\nrepeats: last\n")
+    assert (len(found.participants), len(found.answers)) == (3, 9)
+
+
+# 5. Repeated presentations
+
+
+def test_many_repeats_are_refused_unless_the_map_says_which_count(read, refusal) -> None:
+    text = long("participant,video,felt", lambda p, c, x: f"{p},{c},sadness\n{p},{c},{x}")
+    assert "9 of 18 answers repeat" in refusal(text)
+    assert "repeats: first, last or all" in refusal(text)
+    assert matrix(read(text, "repeats: last\n")) == RIGHT
+    first = read(text, "repeats: first\n")
+    assert (first.repeats, first.answers["perceived"].unique().tolist()) == ("first", ["sadness"])
+    assert len(read(text, "repeats: all\n").answers) == 18
+
+
+def test_a_position_tells_the_first_answer_where_rows_are_in_another_order(read) -> None:
+    text = long("participant,video,felt,trial", lambda p, c, x: f"{p},{c},sadness,{10 + len(x)}\n{p},{c},{x},{len(x)}")
+    found = read(text, "repeats: first\n")
+    assert len(found.answers) == 9
+
+
+# 6. A discarded majority
+
+
+def test_many_unusable_rows_are_refused_with_grouped_reasons(refusal, read) -> None:
+    text = long("participant,video,felt", lambda p, c, x: f"{p},{c},{x}") + "s1,curious,fear\n" * 4 + "s2,z8r4,meh\n"
+    message = refusal(text)
+    assert "5 of 14 answers cannot be used (4 rows: 'curious' unknown video" in message
+    assert "1 row: 'meh' not a label" in message
+    assert "--max-rejected" in message
+    assert matrix(read(text, max_rejected=0.5)) == RIGHT
+
+
+def test_participants_without_a_usable_answer_are_refused_if_they_are_many(refusal, read) -> None:
+    people = {f"p{i}": list(GIVEN.values())[i % 3] for i in range(20)}
+    text = long("participant,video,felt", lambda p, c, x: f"{p},{c},{x}", people)
+    text += "".join(f"q{i},k2m9,?{i}\n" for i in range(3))
+    message = refusal(text)
+    assert "no answer of 3 of 23 participants can be used" in message
+    assert read(text, max_rejected=0.2).dropped == {"no usable answer": 3}
+
+
+def test_missing_answers_are_no_fault_of_the_file(read) -> None:
+    text = long("participant,video,felt", lambda p, c, x: f"{p},{c},{x}")
+    text += "".join(f"s{i},{c},{missing}\n" for i in (4, 5) for c, missing in zip(TRUE, ("", "NA", "-99"), strict=True))
+    found = read(text)
+    assert matrix(found) == RIGHT
+    assert {row.reason for row in found.rejected} == {"no answer"}
+
+
+# 7. Synonyms
+
+
+def test_every_text_that_is_not_the_label_itself_is_listed_with_its_count(read) -> None:
+    words = {"happiness": "Joy", "surprise": "SURPRISE", "disgust": "disgusted", "sadness": "sadness "}
+    found = read(long("participant,video,felt", lambda p, c, x: f"{p},{c},{words.get(x, x)}"))
+    assert matrix(found) == RIGHT
+    assert found.synonyms == (Synonym("Joy", "happiness", 2), Synonym("disgusted", "disgust", 2))
+    glad = read(long("participant,video,felt", lambda p, c, x: f"{p},{c},{'glad' if x == 'happiness' else x}"))
+    assert glad.synonyms == (Synonym("glad", "happiness", 2),)
+
+
+def test_texts_of_the_map_are_listed_as_such(read) -> None:
+    found = read(long("participant,video,felt", lambda p, c, x: f"{p},{c},{NUMBERS[x]}"), ANSWERS)
+    assert found.synonyms[0] == Synonym("1", "happiness", 2, by_map=True)
+
+
+def test_none_of_a_program_is_a_missing_answer_and_none_of_a_survey_is_an_answer(read) -> None:
+    def text(spell) -> str:
+        return long("participant,video,felt", lambda p, c, x: f"{p},{c},{'None' if x == 'sadness' else spell(x)}")
+
+    missing, answer = read(text(str)), read(text(str.title))
+    assert "none" not in missing.labels
+    assert [row.value for row in missing.rejected] == ["None"]
+    assert matrix(answer)["fear"] == {"fear": 1, "none": 1, "surprise": 1}
+    assert matrix(read(text(str), labels=["happiness", "fear", "anger", "surprise", "disgust", "none"])) == matrix(
+        answer
+    )
+
+
+# 8. Spelling and bytes
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["video-{}", "V{}", "stimuli/{}_final.mp4?x=1", "https://x.org/a/{}.webm#t=2", "vid_{}", "C:\\\\v\\\\{}.MP4"],
+)
+def test_a_code_is_found_within_a_longer_name(read, name) -> None:
+    text = long("participant,video,felt", lambda p, c, x: f"{p},{name.format(c)},{x}")
+    assert matrix(read(text)) == RIGHT
+    head = "id," + ",".join(name.format(c) for c in TRUE) + "\n"
+    wide = head + "\n".join(",".join([p, *(given[c] for c in TRUE)]) for p, given in GIVEN.items())
+    assert matrix(read(wide)) == RIGHT
+
+
+def test_a_name_with_two_codes_is_no_video(refusal) -> None:
+    assert "unknown video" in refusal(long("participant,video,felt", lambda p, c, x: f"{p},{c} z8r4 k2m9,{x}"))
+
+
+def test_an_exact_name_beats_one_in_other_letters(read) -> None:
+    text = long("participant,Felt,video,felt", lambda p, c, x: f"{p},fear,{c},{x}")
+    assert matrix(read(text, "response: felt\n")) == RIGHT
+
+
+@pytest.mark.parametrize("ids", ["1.14E+11", "1,14e+11", "1.2345E+05"])
+def test_ids_that_a_spreadsheet_has_shortened_are_refused(refusal, ids) -> None:
+    text = long("participant;video;felt", lambda p, c, x: f"{ids};{c};{x}")
+    assert "a spreadsheet has shortened the ids" in refusal(text)
+
+
+# 9. Pilots and model answers
+
+
+def test_a_pilot_is_left_out_unless_it_is_asked_for(read, refusal) -> None:
+    text = long("participant,video,position,response,mode", lambda p, c, x: f"{p},{c},1,{x},pilot")
+    assert "no participant is left (3 pilot)" in refusal(text)
+    assert matrix(read(text, include_pilots=True)) == RIGHT
+
+
+def test_answers_of_simulated_participants_are_known_as_such(read) -> None:
+    text = long("participant,video,response,mode", lambda p, c, x: f"{p},{c},{x},simulated")
+    assert read(text).simulated
+    assert not read(long("participant,video,response", lambda p, c, x: f"{p},{c},{x}")).simulated
