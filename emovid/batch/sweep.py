@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import prod
@@ -116,8 +116,8 @@ class Items:
         return {name: _digest([keys, plan.get("set"), files]) for name, keys in plan["scenes"].items()}
 
     @cached_property
-    def _keys(self) -> list[dict[str, int]]:
-        """The index of each level of each axis, by its settings as text."""
+    def _keys(self) -> list[dict[Hashable, int]]:
+        """The index of each level of each axis, by its settings."""
         return [{_level_key(level): i for i, level in enumerate(levels)} for levels in self._levels]
 
     def _number(self, point: SweepPoint) -> int:
@@ -128,8 +128,8 @@ class Items:
             return 0
         crossed = [*self.sweep.grid, *(["seed"] if self.sweep.seeds else [])]
         listed = {key: value for key, value in cells.items() if key != "scene" and key not in crossed}
-        wanted = [_text_key(name), _text_key(listed), *(_text_key({key: cells.get(key)}) for key in crossed)]
-        wanted += [] if self.sweep.seeds else [_text_key(None)]
+        wanted = [name, _value_key(listed), *(_value_key(cells.get(key)) for key in crossed)]
+        wanted += [] if self.sweep.seeds else [None]
         number = 0
         for key, keys, levels in zip(wanted, self._keys, self._levels, strict=True):
             if key not in keys:
@@ -149,7 +149,7 @@ class Items:
     def _refuse_equal_levels(self, axis: int) -> None:
         """Raise the error of two levels with equal settings."""
         step = prod(map(len, self._levels[axis + 1 :]))
-        first: dict[str, int] = {}
+        first: dict[Hashable, int] = {}
         for i, level in enumerate(self._levels[axis]):
             if (other := first.setdefault(_level_key(level), i)) != i:
                 raise self._equal(1 + other * step, 1 + i * step)
@@ -186,16 +186,17 @@ def _cells(name: str, settings: Iterable[Setting]) -> dict[str, Any]:
     return {"scene": name} | {setting.key: setting.value for setting in settings}
 
 
-def _level_key(level: Any) -> str:
-    """Return the settings of a level as text: equal for equal settings."""
+def _level_key(level: Any) -> Hashable:
+    """Return a key for the settings of a level: equal for equal settings."""
     if isinstance(level, Setting):
-        return _text_key({level.key: level.value})
-    if isinstance(level, tuple):
-        return _text_key({setting.key: setting.value for setting in level})
-    return _text_key(level)
+        return _value_key(level.value)
+    return _value_key({s.key: s.value for s in level}) if isinstance(level, tuple) else level
 
 
-def _text_key(value: Any) -> str:
+def _value_key(value: Any) -> Hashable:
+    """Return a key for a plain value: equal for 2 and 2.0, different for 1 and true."""
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return value
     return json.dumps(_with_floats(value), sort_keys=True)
 
 
