@@ -160,6 +160,10 @@ def main(arguments: list[str] | None = None) -> int:
         # reader of our output stops reading, as `head` does, Typer exits by itself with 1.
         code = int(typer.main.get_command(app)(arguments, prog_name="emovid", standalone_mode=False) or 0)
         return _fail("interrupted: run again to make what is missing", code) if code == 130 else code
+    except SystemExit as stop:
+        if stop.code == 143:
+            return _fail("terminated: run again to make what is missing", 143)
+        raise
     except EmovidError as error:
         return _fail(str(error), 1 if _is_denied(error) else error.exit_code)
     except TyperException as error:

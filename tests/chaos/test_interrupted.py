@@ -48,9 +48,8 @@ def test_an_interrupted_render_leaves_old_files_and_nothing_else(tmp_path, sent,
     os.killpg(process.pid, sent)  # as a terminal or a job scheduler does
     said = process.communicate(timeout=60)[1].splitlines()
     assert process.returncode == code, said
-    assert all(line.startswith("[") for line in said[: -1 if code == 130 else None]), said
-    if code == 130:
-        assert said[-1] == "interrupted: run again to make what is missing"
+    assert all(line.startswith("[") for line in said[:-1]), said
+    assert said[-1] == f"{'interrupted' if code == 130 else 'terminated'}: run again to make what is missing"
     assert left_of([process.pid]) == []
     assert hidden(tmp_path) == []
     if arguments[0] == "--emotion":
