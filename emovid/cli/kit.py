@@ -148,6 +148,9 @@ def export(
         str, typer.Option("--video-url", help="Address of the videos for Qualtrics or LimeSurvey.")
     ] = "videos",
     responses: Responses = None,
+    mapping: Annotated[
+        Path | None, typer.Option("--map", help="A map.yaml of --responses.", show_default="that of the kit")
+    ] = None,
     check: Annotated[
         bool, typer.Option("--check", help="Only print what the tool can do with this kit; exit with 1 if too little.")
     ] = False,
@@ -163,7 +166,7 @@ def export(
         parts = check_export(open_kit(kit), to)
         _show_parts(parts)
         raise typer.Exit(0 if is_possible(parts) else 1)
-    written = export_kit(open_kit(kit), to, output, video_url, responses or [])
+    written = export_kit(open_kit(kit), to, output, video_url, responses or [], mapping)
     if quiet:
         return
     names = [path.name for path in written.files]

@@ -65,7 +65,12 @@ def is_possible(parts: Sequence[DesignPart]) -> bool:
 
 
 def export(
-    kit: Kit, tool: str, folder: Path | None = None, video_url: str = _HERE, responses: Sequence[Path] = ()
+    kit: Kit,
+    tool: str,
+    folder: Path | None = None,
+    video_url: str = _HERE,
+    responses: Sequence[Path] = (),
+    mapping: Path | None = None,
 ) -> Exported:
     """Write the files of a kit for one of the `TOOLS`.
 
@@ -75,6 +80,7 @@ def export(
         folder: output folder; None for that of the tool in the kit, which audits include.
         video_url: address of the videos.
         responses: exports of the survey, for the data set.
+        mapping: map.yaml of these; None for that of the kit.
 
     Raises:
         InputError: for an unknown tool, a design that it cannot carry, a kit without orders or videos, and invalid
@@ -86,11 +92,13 @@ def export(
         raise InputError(f"-o {folder}: is a file; expected a folder")
     if responses and tool != "psych-ds":
         raise InputError(f"--responses: {tool} contains no answers; expected --to psych-ds")
+    if mapping and not responses:
+        raise InputError("--map: expected --responses, which it describes")
     kit.need_orders()
     warnings = _warnings(check_export(kit, tool), tool, video_url) if tool in _LIMITS else ()
     answers = None
     if responses:
-        mapping = kit.folder.map if kit.folder.map.is_file() else None
+        mapping = mapping or (kit.folder.map if kit.folder.map.is_file() else None)
         answers = read_responses(list(responses), key=kit.folder.key, mapping=mapping)
     target = folder or kit.folder.exports / tool
     written = []
@@ -129,7 +137,7 @@ def _warnings(parts: Sequence[DesignPart], tool: str, video_url: str) -> tuple[s
 def _copied(kit: Kit, folder: Path) -> list[Path]:
     """Copy the videos with their times, and remove those of a former kit."""
     make_folder(folder)
-    targets = {folder / f"{code}.mp4": kit.folder.video(code) for code in kit.manifest.codes}
+    targets = {folder / f"{code}.mp4": kit.folder.video(code) for code in kit.manifest.all_videos}
     for path in folder.glob("*.mp4"):
         if is_code(path.stem) and path not in targets:
             path.unlink()

@@ -27,7 +27,7 @@ class ValidAnswers:
     """Answers after validation.
 
     Attributes:
-        frame: answers that count: `COLUMNS` and `file`.
+        frame: answers that count: `COLUMNS`, `file` and `line`.
         rejected: answers that do not, in the order of the rows.
         synonyms: texts that count as a label that they do not spell.
         unusable: participants with answers of which none can be used, for another reason than a missing answer.
@@ -73,6 +73,7 @@ def valid_answers(answers: pd.DataFrame, known: Known, files: Sequence[str]) -> 
     frame = pd.DataFrame({name: pd.Series(np.asarray(column)[kept], dtype="str") for name, column in words.items()})
     frame["position"] = answers["position"][kept].astype("Int64").to_numpy()
     frame["file"] = answers["file"][kept].to_numpy()
+    frame["line"] = answers["line"][kept].to_numpy()
     frame["position"] = frame["position"].astype("Int64")
     synonyms = _synonyms(answers["answer"][kept], frame["perceived"], known.labels)
     faulty = set(answers["participant"][(reasons != "") & (reasons != NO_ANSWER)].unique()) - {""}

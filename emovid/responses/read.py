@@ -165,6 +165,7 @@ def _responses(files: Sequence[_File], known: Known, skipped: Sequence[Rejected]
         signalled=signalled,
         labels=labels,
         answers=valid.frame[COLUMNS],
+        places=pd.DataFrame({"file": valid.frame["file"].map(dict(enumerate(names))), "line": valid.frame["line"]}),
         participants=participants,
         sources=tuple(_sources(files, valid, names, notes)),
         rejected=tuple(sorted(rejected, key=lambda row: (row.file, row.row))),

@@ -84,6 +84,7 @@ class Responses:
             With "all", the answers of a participant are clustered.
         simulated: whether model participants gave any of the answers.
         warnings: sentences that every reader of the results must see.
+        places: file and line of each answer, if the answers come from files.
     """
 
     signalled: tuple[str, ...]
@@ -98,6 +99,7 @@ class Responses:
     repeats: Repeats | None = None
     simulated: bool = False
     warnings: tuple[str, ...] = ()
+    places: pd.DataFrame = field(default_factory=pd.DataFrame)
 
     def notes(self) -> list[str]:
         """Return the notes of the sources; files that share a note share a line."""

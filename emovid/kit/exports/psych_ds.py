@@ -1,42 +1,81 @@
-"""A data set by Psych-DS (psych-ds.github.io): the data as CSV, and a dictionary of its columns."""
+"""A data set by Psych-DS (psych-ds.github.io): data as CSV, and a dictionary of the columns."""
 
+import hashlib
 import json
 import re
+import secrets
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
 
+import numpy as np
+import pandas as pd
+
+from emovid.csv_reader import Table
 from emovid.csv_writer import csv_text
-from emovid.kit.exports.texts import Files
+from emovid.kit.exports.texts import Files, template
 from emovid.kit.folder import Kit
-from emovid.responses.responses import Responses
+from emovid.kit.study import Question
+from emovid.responses.export_files import open_table
+from emovid.responses.responses import RECORDED, Responses
 
+_ORDER_ROW = "order_row"
 _KNOWN = {
-    "participant_id": "the participant, as the survey names them",
-    "video_code": "the video's random code; key.csv, published after the study, says what it stands for",
-    "position": "the video's place in the participant's order, from 1",
-    "choices": "the order of the answers on the participant's pages",
-    "signalled": "the label that the video stands for",
-    "response": "the label that the participant chose",
+    "participant_id": "participant; pseudonyms stand for all names that the kit did not give",
+    "video_code": "random code of the video; key.csv, published after the study, gives its emotion",
+    "position": "position of the video in the participant's order, from 1",
+    "choices": "order of the answers on the participant's pages",
+    "signalled": "label that the video signals",
+    "response": "label that the participant chose",
+    "confidence": "rating: how sure the participant is of the choice",
+    "valence": "rating: how unpleasant or pleasant the emotion is",
+    "arousal": "rating: how calm or excited the emotion is",
+    "rt": "time from the start of the page to the answer [ms]",
+    "plays": "number of times that the video was played",
+    "watched_seconds": "time for which the video was watched [s]",
+    _ORDER_ROW: "row of the orders that the participant saw",
+    "consent_version": "version of the consent text",
+    "first_response": "label that the participant chose first",
+    "changes": "number of changes of the answer",
+    "device": "kind of device",
 }
-# The columns of the answers, here and in the data set.
-_NAMES = {"participant": "participant_id", "video": "video_code", "position": "position", "signalled": "signalled",
-          "perceived": "response"}  # fmt: skip
+# Columns of the answers, here and in the data set.
+_NAMES = {
+    "participant": "participant_id",
+    "video": "video_code",
+    "position": "position",
+    "signalled": "signalled",
+    "perceived": "response",
+}
+_ALIASES = {"order_index": _ORDER_ROW}  # of columns in exports
+_RATINGS = ("confidence", "valence", "arousal")
+_OF_PEOPLE = (_ORDER_ROW, "consent_version", "device")  # recorded once for each participant
+_OF_ANSWERS = (*dict.fromkeys((*_RATINGS, "rt", "plays", "watched_seconds", "choices", *RECORDED)),)
+
+
+@dataclass(frozen=True)
+class _Data:
+    """Answers for publication, and a list of what was taken out."""
+
+    table: pd.DataFrame
+    removed: tuple[str, ...]
 
 
 def psych_ds(kit: Kit, responses: Responses | None) -> Files:
-    """Return the data set: the orders, and the answers if there are some."""
+    """Return the data set: the orders, and the answers if there are any."""
     manifest = kit.manifest
     name = "study-" + (re.sub(r"[^a-zA-Z0-9]", "", manifest.title.title()) or "emovid")
-    header = ["participant_id", "position", "video_code", *(["choices"] if kit.choices else [])]
-    orders = [
-        [who, place, code, *(["|".join(kit.choices[who])] if kit.choices else [])]
-        for who, order in kit.orders.items()
-        for place, code in enumerate(order, start=1)
-    ]
-    files = {f"data/{name}_content-orders_data.csv": csv_text(header, orders)}
-    columns = list(header)
-    if responses is not None:
-        header, answers = _answers(responses)
-        files[f"data/{name}_content-responses_data.csv"] = csv_text(header, answers)
-        columns += [column for column in header if column not in columns]
+    orders = pd.DataFrame(
+        [
+            {"participant_id": who, "position": place, "video_code": code}
+            | ({"choices": "|".join(kit.choices[who])} if kit.choices else {})
+            for who, order in kit.orders.items()
+            for place, code in enumerate(order, start=1)
+        ]
+    )
+    data = _published(kit, responses) if responses else _Data(pd.DataFrame(), ())
+    tables = {"orders": orders} | ({"responses": data.table} if responses else {})
+    columns = {column: table[column] for table in tables.values() for column in table}
     description = {
         "@context": "http://schema.org/",
         "@type": "Dataset",
@@ -46,50 +85,123 @@ def psych_ds(kit: Kit, responses: Responses | None) -> Files:
         "author": list(manifest.authors),
         "keywords": ["human-robot interaction", "swarm robotics", "emotion", "forced choice"],
         "inLanguage": manifest.language,
-        "variableMeasured": [_variable(column, kit) for column in columns],
+        "variableMeasured": [_variable(column, cells, kit) for column, cells in columns.items()],
     }
+    files = {f"data/{name}_description-{what}_data.csv": _csv(table) for what, table in tables.items()}
+    answers = "and the answers" if responses else "and not the answers yet: add them with `--responses EXPORT`"
+    removed = "\n".join(f"- {what}" for what in data.removed) or "- nothing"
     return files | {
         "dataset_description.json": json.dumps(description, indent=2, ensure_ascii=False) + "\n",
         "materials/manifest.json": manifest.text(),
-        "README.md": _readme(kit, responses is not None),
+        "README.md": template("psych_ds.md", title=manifest.title, answers=answers, removed=removed),
     }
 
 
-def _answers(responses: Responses) -> tuple[list[str], list[tuple[object, ...]]]:
-    """Return the columns and the rows of the answers, each participant's groups repeated in every row."""
-    answers = responses.answers.rename(columns=_NAMES)[list(_NAMES.values())]
-    groups = responses.participants.rename(columns=lambda name: f"{name} (group)" if name in _KNOWN else name)
-    table = answers.merge(groups, left_on="participant_id", right_index=True, how="left")
-    rows = table.astype(object).where(table.notna(), "").itertuples(index=False, name=None)
-    return list(map(str, table.columns)), list(rows)
+def _csv(table: pd.DataFrame) -> str:
+    cells = table.astype(object).where(table.notna(), "")
+    return csv_text(list(map(str, table)), cells.itertuples(index=False, name=None))
 
 
-def _variable(column: str, kit: Kit) -> dict[str, object]:
-    questions = {item.name: item for item in kit.manifest.demographics}
+def _published(kit: Kit, responses: Responses) -> _Data:
+    """Return each answer with what was recorded, under pseudonyms and without free text."""
+    answers = responses.answers.rename(columns=_NAMES)[list(_NAMES.values())].reset_index(drop=True)
+    recorded = _recorded(responses).reset_index(drop=True)
+    free = [item.name for item in _questions(kit) if _is_free_text(item)]
+    groups = responses.participants.drop(columns=free, errors="ignore")
+    groups = groups.rename(columns=lambda name: f"{name} (group)" if name in (*_KNOWN, *recorded) else name)
+    table = answers.join(recorded).merge(groups, left_on="participant_id", right_index=True, how="left")
+    pseudonyms = _pseudonyms(kit, list(responses.participants.index))
+    table["participant_id"] = table["participant_id"].map(pseudonyms)
+    hidden = sum(name != pseudonym for name, pseudonym in pseudonyms.items())
+    removed = (
+        [f"names of {hidden} participants, replaced by pseudonyms; no table of the names is kept"] if hidden else []
+    )
+    removed += [f"answers to {name}, which are free text" for name in free if name in responses.participants]
+    return _Data(table, tuple(removed))
+
+
+def _questions(kit: Kit) -> tuple[Question, ...]:
+    return (*kit.manifest.demographics, *kit.manifest.questions_after)
+
+
+def _is_free_text(question: Question) -> bool:
+    return question.choices is None and question.number is None
+
+
+def _pseudonyms(kit: Kit, names: list[str]) -> Mapping[str, str]:
+    """Return a pseudonym for each name that is none of the kit's, in an order that the names do not decide."""
+    salt = kit.folder.salt.read_bytes() if kit.folder.salt.is_file() else secrets.token_bytes(32)
+    others = [name for name in names if name not in kit.orders]
+    others.sort(key=lambda name: hashlib.sha256(salt + name.encode()).digest())
+    return {name: name for name in names} | {name: f"S{number:03}" for number, name in enumerate(others, start=1)}
+
+
+def _recorded(responses: Responses) -> pd.DataFrame:
+    """Return what the exports recorded with each answer: ratings, times, plays, choices, row of the orders."""
+    found = pd.DataFrame(index=responses.answers.index)
+    if responses.places.empty:
+        return found
+    for file, places in responses.places.groupby("file"):
+        table, _ = open_table(Path(str(file)))
+        rows = {int(line): row for row, line in enumerate(table.lines)}
+        for answer, line in places["line"].items():
+            video, who = responses.answers.loc[answer, ["video", "participant"]]
+            if int(line) in rows:
+                for name, cell in _cells_beside(table, rows[int(line)], str(video)).items():
+                    found.loc[answer, name] = cell
+        for who, mine in responses.answers.loc[places.index].groupby("participant"):
+            lines = [rows[int(line)] for line in places.loc[mine.index, "line"] if int(line) in rows]
+            for name, cell in _cells_of_person(table, lines, str(who)).items():
+                found.loc[mine.index, name] = cell
+    known = [name for name in dict.fromkeys((*_OF_ANSWERS, *_OF_PEOPLE)) if name in found]
+    return found[known]
+
+
+def _cells_beside(table: Table, row: int, video: str) -> dict[str, str]:
+    """Return the recorded cells of an answer: in its row (long table), or of its video (one column for each video)."""
+    found = {}
+    for place, title in enumerate(table.names):
+        name, cell = title.partition(":")[0], str(table.cells[place].iloc[row])
+        of_video = re.fullmatch(rf"{re.escape(video)}_?(\w+?)(\[SQ1\])?", name, re.IGNORECASE)
+        slider = re.fullmatch(r"(\w+)\.response", name)
+        name = of_video[1] if of_video else slider[1] if slider else name
+        if cell and name in (_RATINGS if of_video or slider else _OF_ANSWERS):
+            found[name] = cell
+    return found
+
+
+def _cells_of_person(table: Table, rows: list[int], who: str) -> dict[str, str]:
+    """Return the cells that a file records once for a participant, in a row of theirs or of a file of their own."""
+    theirs = [place for place in range(len(table.names)) if rows and all(table.cells[place].iloc[rows] == who)]
+    mask = np.ones(len(table.lines), dtype=bool)
+    if theirs:
+        mask = (table.cells[theirs[0]] == who).to_numpy(dtype=bool)
+    found = {}
+    for place, title in enumerate(table.names):
+        name = _ALIASES.get(title, title)
+        cells = table.cells[place][mask]
+        filled = cells[cells != ""].unique()
+        if name in _OF_PEOPLE and len(filled) == 1:
+            found[name] = str(filled[0])
+    return found
+
+
+def _variable(column: str, cells: "pd.Series[str]", kit: Kit) -> dict[str, object]:
+    questions = {item.name: item for item in _questions(kit)}
+    ratings = {rating.name: rating for rating in kit.manifest.ratings}
     variable: dict[str, object] = {"@type": "PropertyValue", "name": column}
     variable["description"] = _KNOWN.get(column) or getattr(questions.get(column), "question", column)
-    if column in ("response", "signalled"):
-        variable["levels"] = {answer.label: answer.text for answer in kit.manifest.choices.labels}
+    if column in ("response", "signalled", "first_response"):
+        variable["levels"] = {choice.label: choice.text for choice in kit.manifest.choices.labels}
     if column in questions and questions[column].choices:
         variable["levels"] = list(questions[column].choices or ())
+    if column in ratings:
+        rating = ratings[column]
+        variable["description"] = f"{rating.question} (1: {rating.low}, {rating.steps}: {rating.high})"
+        return variable | {"minValue": 1, "maxValue": rating.steps}
     if column == "position":
-        variable |= {"minValue": 1, "maxValue": kit.manifest.videos_shown}
+        return variable | {"minValue": 1, "maxValue": kit.manifest.videos_shown}
+    numbers = pd.to_numeric(cells[cells.notna() & (cells != "")], errors="coerce")
+    if column in _OF_ANSWERS and len(numbers) and numbers.notna().all():
+        variable |= {"minValue": float(numbers.min()), "maxValue": float(numbers.max())}
     return variable
-
-
-def _readme(kit: Kit, has_answers: bool) -> str:
-    answers = "the answers and " if has_answers else ""
-    lines = [
-        f"# {kit.manifest.title}",
-        "",
-        f"A data set by Psych-DS: {answers}the planned orders in `data/`, each column described in",
-        "`dataset_description.json`; the texts that participants read in `materials/manifest.json`.",
-        "",
-    ]
-    if not has_answers:
-        lines += [
-            "The answers are not in it yet: `emovid study export KIT --to psych-ds --responses EXPORT` adds them, with",
-            "the emotion of each video, once the study is over.",
-            "",
-        ]
-    return "\n".join(lines)

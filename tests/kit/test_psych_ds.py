@@ -1,0 +1,154 @@
+"""The data set by Psych-DS: everything that was recorded, under pseudonyms, and by the rules of the standard."""
+
+import csv
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from emovid.cli.main import main
+from emovid.kit.export import export
+from emovid.kit.folder import Kit
+from tests.helpers.tiny import make_kit_of_placeholders
+
+HERE = Path(__file__).parent
+JSPSYCH = sorted((HERE / "exported" / "jspsych").glob("*.csv"))
+# Official keywords of file names, and keys that dataset_description.json must or should have, by version 1.4 of the
+# standard's schema.
+KEYWORDS = ("study", "site", "subject", "session", "task", "condition", "trial", "stimulus", "description")
+REQUIRED = ("@context", "@type", "name", "description", "variableMeasured")
+
+
+@pytest.fixture(scope="module")
+def kit(tmp_path_factory) -> Kit:
+    text = (HERE / "studies" / "german.yaml").read_text()
+    return make_kit_of_placeholders(tmp_path_factory.mktemp("german"), text, seed=7)
+
+
+def rows_of(path: Path) -> list[dict[str, str]]:
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        return list(csv.DictReader(file, delimiter=";" if "limesurvey" in path.name else ","))
+
+
+def trials() -> dict[tuple[str, str], dict[str, str]]:
+    """Return the rows of jsPsych's files that show a video, by participant and video."""
+    return {
+        (row["participant"], row["video_code"]): row for path in JSPSYCH for row in rows_of(path) if row["video_code"]
+    }
+
+
+@pytest.fixture(scope="module")
+def data_set(kit, tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("set")
+    export(kit, "psych-ds", folder, responses=JSPSYCH)
+    return folder
+
+
+def answers_in(folder: Path) -> list[dict[str, str]]:
+    (path,) = (folder / "data").glob("*responses*")
+    return rows_of(path)
+
+
+def check_rules(folder: Path) -> None:
+    """Check the rules of Psych-DS whose violation is an error of its validator, and its recommendations."""
+    assert (folder / "README.md").read_text().strip()
+    text = (folder / "dataset_description.json").read_text(encoding="utf-8")
+    said = json.loads(text)
+    assert set(REQUIRED) <= set(said)
+    assert said["@type"] == "Dataset"
+    assert said["@context"].startswith("http://schema.org")
+    described = [variable["name"] for variable in said["variableMeasured"]]
+    assert len(set(described)) == len(described)
+    assert all(
+        variable["@type"] == "PropertyValue" and variable["description"] for variable in said["variableMeasured"]
+    )
+    columns: set[str] = set()
+    data = list((folder / "data").iterdir())
+    assert data
+    for path in data:
+        assert re.fullmatch(r"([a-z]+-[a-zA-Z0-9]+)(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv", path.name)
+        keywords = [part.partition("-")[0] for part in path.stem.removesuffix("_data").split("_")]
+        assert set(keywords) <= set(KEYWORDS)
+        with path.open(encoding="utf-8", newline="") as file:
+            header, *rows = csv.reader(file)
+        assert rows
+        assert all(header)
+        assert len(set(header)) == len(header)
+        assert {len(row) for row in rows} == {len(header)}
+        columns |= set(header)
+    assert columns == set(described)
+
+
+def test_the_rules_hold_with_and_without_answers(kit, data_set, tmp_path) -> None:
+    check_rules(data_set)
+    export(kit, "psych-ds", tmp_path)
+    check_rules(tmp_path)
+
+
+def test_every_recorded_column_is_there_with_its_values(kit, data_set) -> None:
+    found = answers_in(data_set)
+    expected = trials()
+    assert len(found) == len(expected) == 24
+    columns = ("position", "response", "confidence", "valence", "arousal", "rt", "plays", "watched_seconds", "choices")
+    names = {row["participant_id"]: row for row in found}
+    assert len(names) == 4
+
+    def facts(rows, video: str) -> list[tuple[str, ...]]:
+        return sorted((row[video], *(row[name] for name in columns)) for row in rows)
+
+    assert facts(found, "video_code") == facts(expected.values(), "video_code")
+    assert all(row["signalled"] == kit.key[row["video_code"]] for row in found)
+
+
+def test_the_row_of_the_orders_is_that_of_the_consent_page(kit, data_set) -> None:
+    consent = {row["participant"]: row for path in JSPSYCH for row in rows_of(path) if row["order_index"]}
+    expected = sorted(row["order_index"] for row in consent.values())
+    people = {row["participant_id"]: row["order_row"] for row in answers_in(data_set)}
+    assert sorted(people.values()) == expected
+    for row in answers_in(data_set):
+        assert kit.orders[row["order_row"]][int(row["position"]) - 1] == row["video_code"]
+
+
+def test_ranges_are_described(data_set) -> None:
+    said = json.loads((data_set / "dataset_description.json").read_text(encoding="utf-8"))
+    variables = {variable["name"]: variable for variable in said["variableMeasured"]}
+    for name, most in (("confidence", 101), ("valence", 7), ("arousal", 9), ("position", 6)):
+        assert (variables[name]["minValue"], variables[name]["maxValue"]) == (1, most)
+    plays = [int(row["plays"]) for row in trials().values()]
+    assert (variables["plays"]["minValue"], variables["plays"]["maxValue"]) == (min(plays), max(plays))
+
+
+def test_no_name_and_no_free_text_is_published(kit, data_set) -> None:
+    names = {participant for participant, _ in trials()} - set(kit.orders)
+    assert len(names) == 2
+    texts = [
+        json.loads(row["response"])["country"] for path in JSPSYCH for row in rows_of(path) if row["trial_index"] == "2"
+    ]
+    published = "".join(path.read_text(encoding="utf-8") for path in data_set.rglob("*") if path.is_file())
+    for private in (*names, *filter(None, texts)):
+        assert private not in published
+    people = {row["participant_id"] for row in answers_in(data_set)}
+    assert {name for name in people if name not in kit.orders} == {"S001", "S002"}
+    readme = (data_set / "README.md").read_text()
+    assert "- names of 2 participants, replaced by pseudonyms" in readme
+    assert "- answers to country, which are free text" in readme
+
+
+def test_answers_of_limesurvey_need_its_map(kit, tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    export(kit, "limesurvey")
+    source = HERE / "exported" / "limesurvey_codes.csv"
+    command = ["study", "export", str(kit.folder.path), "--to", "psych-ds", "--responses", str(source), "-o", "set"]
+    mapping = kit.folder.exports / "limesurvey" / "map.yaml"
+    assert main(command) == 2
+    assert "not a label" in capsys.readouterr().err
+    assert main([*command, "--map", str(mapping)]) == 0
+    check_rules(tmp_path / "set")
+    given = [row for row in rows_of(source) if row["consent"] == "Y"]
+    found = answers_in(tmp_path / "set")
+    assert len(found) == 6 * len(given)
+    for row in found:
+        assert row["confidence"] == row["valence"] == row["arousal"] == "3"
+    assert main([*command[:-4], "-o", "set", "--map", str(mapping)]) == 2
+    assert "--map: expected --responses" in capsys.readouterr().err
