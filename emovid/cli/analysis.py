@@ -16,13 +16,14 @@ from emovid.errors import InputError
 from emovid.report import apa
 from emovid.report.results_json import as_json
 from emovid.responses.describe_columns import describe_columns
+from emovid.responses.read import MOST_REJECTED, grouped
 from emovid.responses.responses import Responses
 from emovid.statistics.compare import VideoCompared
 from emovid.statistics.goodness import Goodness
 from emovid.statistics.recognition import Recognition
 from emovid.workflows.analysis import Analysis, analyze_exports, analyze_matrix, compare_studies, write_analysis
 
-_SHOWN = 200  # rejected rows on the terminal; rejected.csv has all
+_SHOWN = 20  # reasons of rejected rows on the terminal; rejected.csv has all rows
 
 Key = Annotated[
     Path | None, typer.Option("--key", help="CSV with video_code,true_emotion, for blinded codes.", show_default=False)
@@ -66,6 +67,10 @@ def analyze(
         "results"
     ),
     margin: Margin = None,
+    include_pilots: Annotated[bool, typer.Option("--include-pilots", help="Count the answers of pilot runs.")] = False,
+    max_rejected: Annotated[
+        float, typer.Option(min=0, max=1, help="Largest share of rows or participants that may be unusable.")
+    ] = MOST_REJECTED,
     seed: RandomSeed = 0,
     quiet: Quiet = False,
     as_json: Json = False,
@@ -82,7 +87,8 @@ def analyze(
         refuse_beside("--counts", {"--key": key, "--map": mapping, "--by": by, "--labels": labels, "--margin": margin})
         analysis = analyze_matrix(counts, seed)
     else:
-        analysis = analyze_exports(sources or [], key, mapping, _labels(labels), by or [], seed, _share(margin))
+        how = (seed, _share(margin), include_pilots, max_rejected)
+        analysis = analyze_exports(sources or [], key, mapping, _labels(labels), by or [], *how)
     text = write_analysis(analysis, output)
     if as_json:
         typer.echo(text, nl=False)
@@ -132,12 +138,11 @@ def _show_reading(responses: Responses) -> None:
         say(f"left out: {number} rows, {reason}")
     for synonym in responses.synonyms:
         say(f"{synonym.text!r} counts as {synonym.label}: {synonym.count} answers")
-    for item in responses.rejected[:_SHOWN]:
-        where = f"{item.file}:{item.row}" if item.row else item.file
-        value = repr(item.value) if item.value else ""
-        say(": ".join(part for part in (where, item.cell, value, item.reason) if part))
-    if len(responses.rejected) > _SHOWN:
-        say(f"... and {len(responses.rejected) - _SHOWN} more in rejected.csv")
+    lines = grouped(responses.rejected)
+    for line in lines[:_SHOWN]:
+        say(line)
+    if len(lines) > _SHOWN:
+        say(f"... and {len(lines) - _SHOWN} more in rejected.csv")
 
 
 def _test_cells(fit: Goodness, found: Recognition) -> list[str]:
@@ -165,7 +170,7 @@ def columns(
     mapping: Map = None,
     labels: Labels = None,
 ) -> None:
-    """Show which columns of an export are recognized.
+    """Show the role of each column of an export, and the evidence for it.
 
     The output is a map.yaml to edit, with the columns as comments.
 
@@ -176,7 +181,8 @@ def columns(
     typer.echo(f"# {found.file}: {said}")
     for column in found.columns:
         name = " ".join(f"{column.name} ({column.text})".removesuffix(" ()").split())  # a question may have lines
-        typer.echo(f"# {column.role or 'not used':<12} {name}: {', '.join(map(repr, column.examples))}")
+        why = f" [{column.evidence}]" if column.evidence else ""
+        typer.echo(f"# {column.role or 'not used':<12} {name}: {', '.join(map(repr, column.examples))}{why}")
     typer.echo(found.map_yaml, nl=False)
 
 

@@ -71,7 +71,10 @@ GROUPS = {
             Entry("columns", "analysis:columns", "Show which columns of an export are recognized.", "Analyze"),
             Entry("analyze", "analysis:analyze", "Analyze survey exports: matrix, tests, figures, report.", "Analyze"),
             Entry(
-                "schema", "study_schema:schema", "Print the JSON Schema of study.yaml or of results.json.", "Analyze"
+                "schema",
+                "study_schema:schema",
+                "Print the JSON Schema of a study, a map or results.",
+                "Analyze",
             ),
             Entry("compare", "analysis:compare", "Compare a replication with the original study.", "Analyze"),
         ),

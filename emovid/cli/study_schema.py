@@ -1,4 +1,4 @@
-"""`emovid study schema`: the formats of study.yaml and results.json.
+"""`emovid study schema`: the formats of study.yaml, map.yaml and results.json.
 
 A module of its own, since study.yaml needs the models of scenes and results.json needs pandas.
 """
@@ -10,13 +10,16 @@ import typer
 
 from emovid.kit.study import Study
 from emovid.report.results_json import results_schema
+from emovid.responses.mapping import map_schema
 
 
 def schema(
     results: Annotated[bool, typer.Option("--results", help="Of results.json, instead of study.yaml.")] = False,
+    of_map: Annotated[bool, typer.Option("--map", help="Of map.yaml, instead of study.yaml.")] = False,
 ) -> None:
-    """Print the JSON Schema of study.yaml or of results.json.
+    """Print the JSON Schema of study.yaml, of map.yaml or of results.json.
 
-    Examples: emovid study schema > study.schema.json · emovid study schema --results
+    Examples: emovid study schema > study.schema.json · emovid study schema --map · emovid study schema --results
     """
-    typer.echo(json.dumps(results_schema() if results else Study.model_json_schema(), indent=2))
+    found = results_schema() if results else map_schema() if of_map else Study.model_json_schema()
+    typer.echo(json.dumps(found, indent=2))

@@ -239,9 +239,12 @@ def _participants(
 
 
 def grouped(rejected: Sequence[Rejected]) -> list[str]:
-    """Return one line for each reason and value: "20 rows: 'curious' unknown video; ...", the most frequent first."""
-    counts = Counter((row.value, row.reason) for row in rejected)
-    return [
+    """Return one line for each reason and value: "20 rows: 'curious' unknown video; ...", the most frequent first.
+
+    A file that was skipped has a line of its own.
+    """
+    counts = Counter((row.value, row.reason) for row in rejected if row.row)
+    return [f"{row.file}: {row.reason}" for row in rejected if not row.row] + [
         f"{count} row{'s' if count > 1 else ''}: {f'{quoted(value)} ' if value else ''}{reason}"
         for (value, reason), count in counts.most_common()
     ]

@@ -1,8 +1,9 @@
 """Files that an analysis wrote: reading their confusion matrix, and recognizing them among exports."""
 
+import hashlib
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ _MOST_DIGITS = 7  # of a count: more than any study needs, and few enough for ex
 TIDY = ("participant", "video", "signalled", "perceived", "position")  # the first columns of responses_tidy.csv
 _TABLES = ("results.json", "confusion_matrix.csv", "tests.csv", "rejected.csv", "responses_tidy.csv")
 _PRINTED = (".html", ".pdf", ".png", ".md", ".tex")
+WRITTEN = "files.sha256"  # list of the files of an analysis, in the format of sha256sum
 
 
 def read_matrix(path: Path) -> tuple[Counts, tuple[str, ...], tuple[str, ...]]:
@@ -108,7 +110,7 @@ def is_of_analysis(file: Path, among_results: bool) -> bool:
     Raises:
         OSError: if the file cannot be read.
     """
-    if among_results and (file.name in _TABLES or file.suffix in _PRINTED):
+    if file.name == WRITTEN or (among_results and (file.name in _TABLES or file.suffix in _PRINTED)):
         return True
     return file.suffix.lower() == ".csv" and _is_tidy(file)
 
@@ -117,3 +119,20 @@ def _is_tidy(file: Path) -> bool:
     with file.open("rb") as data:
         header = data.readline(10_000).decode("utf-8-sig", errors="replace").strip()
     return header.startswith(",".join(TIDY)) and header.endswith(",correct")
+
+
+def list_of_files(files: Mapping[str, bytes]) -> bytes:
+    """Return the content of `WRITTEN` for the files of an analysis, by name: a digest and a name on each line."""
+    return "".join(f"{hashlib.sha256(data).hexdigest()}  {name}\n" for name, data in sorted(files.items())).encode()
+
+
+def files_of_analysis(folder: Path) -> dict[str, str]:
+    """Return the digest of each file that an analysis wrote into a folder, by name; empty if there was none."""
+    listed = folder / WRITTEN
+    if not listed.is_file():
+        return {}
+    lines = read_bytes(listed).decode(errors="replace").splitlines()
+    pairs = (line.partition("  ") for line in lines)
+    return {
+        name: digest for digest, _, name in pairs if re.fullmatch(r"[0-9a-f]{64}", digest) and Path(name).name == name
+    }

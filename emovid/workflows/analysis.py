@@ -1,6 +1,6 @@
 """From exports to a folder of results, and from two folders to a comparison."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -10,9 +10,16 @@ from emovid.figures.study import figure_data, study_figures
 from emovid.figures.style import encoded
 from emovid.report.page import report_html
 from emovid.report.tables import result_files
-from emovid.responses.read import read_responses
+from emovid.responses.read import MOST_REJECTED, read_responses
 from emovid.responses.responses import Responses, Source
-from emovid.responses.results_files import read_matrix, read_results
+from emovid.responses.results_files import (
+    WRITTEN,
+    files_of_analysis,
+    is_results,
+    list_of_files,
+    read_matrix,
+    read_results,
+)
 from emovid.statistics.analyze import analyze, analyze_counts
 from emovid.statistics.compare import Compared, aligned, compare
 from emovid.statistics.results import Provenance, StudyResults
@@ -37,9 +44,11 @@ def analyze_exports(
     by: Sequence[str] = (),
     seed: int = 0,
     margin: float | None = None,
+    include_pilots: bool = False,
+    max_rejected: float = MOST_REJECTED,
 ) -> Analysis:
     """Return the analysis of exports; arguments as for `read_responses` and `analyze`."""
-    responses = read_responses(sources, key=key, mapping=mapping, labels=labels, groups=by)
+    responses = read_responses(sources, key, mapping, labels, by, include_pilots, max_rejected)
     provenance = Provenance(responses.sources, file_digest(key) if key else None, __version__, seed)
     return Analysis(replace(analyze(responses, by, seed, margin), provenance=provenance), responses)
 
@@ -53,18 +62,44 @@ def analyze_matrix(counts: Path, seed: int = 0) -> Analysis:
 
 
 def write_analysis(analysis: Analysis, output: Path) -> str:
-    """Write tables, figures and report into a folder; return the text of results.json."""
+    """Write tables, figures and report into a folder; return the text of results.json.
+
+    Files of a former analysis in the folder go.
+
+    Raises:
+        InputError: if one of the files exists and no analysis wrote it.
+    """
     figures = study_figures(figure_data(analysis.results))
     pictures = {name: (caption, encoded(figure, "svg")) for name, (caption, figure) in figures.items()}
     texts = result_files(analysis.results, analysis.responses)
     texts["report.html"] = report_html(analysis.results, analysis.responses, pictures)
     files = {name: text.encode() for name, text in texts.items()}
     files |= {f"{name}.{kind}": encoded(figure, kind) for name, (_, figure) in figures.items() for kind in _PRINTED}
+    files[WRITTEN] = list_of_files(files)
+    _remove_former(output, files)
     make_folder(output)
     for name, data in files.items():
         with writing(output / name) as file:
             file.write(data)
     return texts["results.json"]
+
+
+def _remove_former(output: Path, files: Mapping[str, bytes]) -> None:
+    """Remove the files of a former analysis; refuse to overwrite any other file."""
+    former = files_of_analysis(output)
+    is_listed = (output / WRITTEN).exists() or not (output / "results.json").exists()
+    if is_listed or not is_results(output / "results.json"):  # results of version 0.1.0 have no list of files
+        for name, data in files.items():
+            target = output / name
+            if name != WRITTEN and target.exists() and name not in former and target.read_bytes() != data:
+                raise InputError(f"{target}: not written by an analysis; move it, or choose another folder with -o")
+    for name, digest in former.items():
+        target = output / name
+        if target.is_file() and file_digest(target) != digest:
+            raise InputError(f"{target}: changed since an analysis wrote it; move it, or choose another folder with -o")
+    for name in former:
+        if name not in files:
+            (output / name).unlink(missing_ok=True)
 
 
 def compare_studies(

@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[2]
 REFERENCE = ROOT / "studies" / "santos-egerstedt"
 EMOTIONS = ["happiness", "surprise", "anger", "fear", "disgust", "sadness"]
 FILES = {
-    *("results.json", "report.html", "responses_tidy.csv", "rejected.csv", "tests.csv", "tests.tex"),
+    *("results.json", "report.html", "responses_tidy.csv", "rejected.csv", "tests.csv", "tests.tex", "files.sha256"),
     *(f"confusion_matrix.{suffix}" for suffix in ("csv", "md", "tex")),
     *(f"{name}.{suffix}" for name in ("confusion-matrix", "circumplex") for suffix in ("pdf", "png")),
     *(f"accuracy-{name}.{suffix}" for name in ("gender", "robotics-background") for suffix in ("pdf", "png")),
@@ -153,14 +153,48 @@ def test_studies_of_other_labels_are_not_compared(tmp_path, capsys) -> None:
     assert capsys.readouterr().err == "b.csv: other labels than a.csv: expected fear, anger\n"
 
 
-def test_what_cannot_be_used_is_shown_up_to_a_bound(tmp_path, capsys) -> None:
+def test_unusable_answers_are_refused_or_shown_in_groups(tmp_path, capsys) -> None:
     rows = "".join(f"p{i},anger,meh\np{i},fear,{('fear', 'anger')[i % 2]}\n" for i in range(203))
-    (tmp_path / "x.csv").write_text(f"participant,video,response\n{rows}p9,fear\n")
-    assert main(["study", "analyze", "x.csv"]) == 0
+    others = "".join(f"q{i},fear,word{i}\n" for i in range(25))
+    (tmp_path / "x.csv").write_text(f"participant,video,response\n{rows}{others}p9,fear\n")
+    assert main(["study", "analyze", "x.csv"]) == 2
+    said = capsys.readouterr().err
+    assert "x.csv: 229 of 432 answers cannot be used (203 rows: 'meh' not a label; expected happiness," in said
+    assert "; and 24 more reasons); expected at most 10 %: correct the key or the map, or accept more" in said
+    assert not (tmp_path / "results").exists()
+    assert main(["study", "analyze", "x.csv", "--max-rejected", "0.6"]) == 0
     said = capsys.readouterr().out
-    assert "\nx.csv:2: response: 'meh': no label; expected happiness," in said
-    assert said.count("'meh'") == 200
-    assert "\n... and 4 more in rejected.csv\n" in said
+    assert "\n203 rows: 'meh' not a label; expected happiness," in said
+    assert said.count("'meh'") == 1
+    assert "\n... and 7 more in rejected.csv\n" in said
+    assert (tmp_path / "results" / "rejected.csv").read_text().count("\n") == 230
+
+
+def test_an_analysis_owns_its_files_and_no_others(tmp_path, capsys) -> None:
+    (tmp_path / "a.csv").write_text("perceived,fear,anger\nfear,5,1\nanger,1,4\n")
+    answers = "".join(f"p{i},fear,{('fear', 'anger')[i % 2]},{'fm'[i % 2]}\n" for i in range(6))
+    (tmp_path / "x.csv").write_text(f"participant,video,response,gender\n{answers}")
+    assert main(["study", "analyze", "x.csv", "-o", "out", "--quiet"]) == 0
+    assert (tmp_path / "out" / "accuracy-gender.pdf").exists()
+    (tmp_path / "out" / "notes.md").write_text("mine")
+    assert main(["study", "analyze", "--counts", "a.csv", "-o", "out", "--quiet"]) == 0
+    left = {path.name for path in (tmp_path / "out").iterdir()}
+    assert not left & {"accuracy-gender.pdf", "responses_tidy.csv", "rejected.csv"}
+    assert (tmp_path / "out" / "notes.md").read_text() == "mine"
+    (tmp_path / "out" / "report.html").write_text("edited")
+    assert main(["study", "analyze", "x.csv", "-o", "out", "--quiet"]) == 2
+    assert "report.html: changed since an analysis wrote it; move it, or choose another fol" in capsys.readouterr().err
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "report.html").write_text("mine")
+    assert main(["study", "analyze", "x.csv", "-o", "mine", "--quiet"]) == 2
+    assert "report.html: not written by an analysis; move it, or choose another fold" in capsys.readouterr().err
+    assert [path.name for path in (tmp_path / "mine").iterdir()] == ["report.html"]
+
+
+def test_the_map_has_a_schema(capsys) -> None:
+    assert main(["study", "schema", "--map"]) == 0
+    schema = json.loads(capsys.readouterr().out)
+    assert {"participant", "truth", "rows", "repeats"} <= set(schema["properties"])
 
 
 def test_an_analysis_among_the_exports_is_none_of_them(tmp_path, capsys) -> None:
