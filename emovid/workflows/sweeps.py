@@ -122,8 +122,11 @@ def _check_plan(items: Items, folder: Path) -> None:
         return
     if plan == json.loads(items.sweep.plan(folder).text) or plan.get("only", "video") != items.sweep.only:
         return
-    recorded = {name for name, record in read_manifest(folder).items() if record.only == items.sweep.only}
-    lost = recorded - {item.name for item in items.expand(range(1, len(items) + 1))}
+    records = read_manifest(folder)
+    lost = {name for name, record in records.items() if record.only == items.sweep.only}
+    lost -= set(items.numbers_of(records).values())
+    if lost:  # or made by an older sweep file in which their settings stood elsewhere
+        lost -= {item.name for item in items.expand(range(1, len(items) + 1))}
     if lost:
         problem = f"exists with other settings ({len(lost)} of its results are not in this sweep)"
         raise InputError(f"{folder / manifest.PLAN} {problem}; use --force to overwrite it, or -o")
@@ -181,4 +184,4 @@ def plan_sweep(items: Items, run: SweepRun) -> Iterator[Step]:
     if run.shard == (1, 1):
         for name in sorted(records.keys() - names):
             if records[name].only != "sheet":
-                yield Step("leave", name, "no item of the sweep")
+                yield Step("leave", name, "no item of the sweep; needs --force")
