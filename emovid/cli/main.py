@@ -68,6 +68,7 @@ GROUPS = {
             Entry("progress", "survey:progress", "Show how many participants enrolled, finished and left.", "Run"),
             Entry("responses", "survey:responses", "Write the answers of a web survey as a table.", "Run"),
             Entry("withdraw", "survey:withdraw", "Delete the data of a participant who withdraws.", "Run"),
+            Entry("recruits", "survey:recruits", "List the participants of a recruitment service, as CSV.", "Run"),
             Entry("columns", "analysis:columns", "Show which columns of an export are recognized.", "Analyze"),
             Entry("analyze", "analysis:analyze", "Analyze survey exports: matrix, tests, figures, report.", "Analyze"),
             Entry(

@@ -1,6 +1,7 @@
 """`emovid study serve`, `responses`, `progress` and `withdraw`: the web survey of a kit."""
 
 import json
+import re
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -10,8 +11,9 @@ import typer
 from emovid.atomic_io import make_folder, writing
 from emovid.cli.kit import KitPath
 from emovid.cli.options import Json, Quiet, check_file
+from emovid.csv_writer import csv_text
 from emovid.errors import EmovidError, InputError
-from emovid.survey.codes import digest, normalized
+from emovid.survey.codes import digest, normalized, recruit_digest
 from emovid.survey.export import progress_of, responses_csv
 from emovid.survey.store import Withdrawal, open_survey
 
@@ -29,6 +31,12 @@ def serve(
     https: Annotated[
         bool, typer.Option("--https", help="Send cookies over TLS only, which a proxy in front provides.")
     ] = False,
+    kiosk: Annotated[
+        bool, typer.Option("--kiosk", help="Participants share a computer: the last page leads to the next person.")
+    ] = False,
+    prefix: Annotated[
+        str, typer.Option("--prefix", help="Path of the survey behind a proxy, as in /study1.", show_default=False)
+    ] = "",
     release_after: Release = 120,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print only the address and errors.")] = False,
 ) -> None:
@@ -43,13 +51,19 @@ def serve(
     except ModuleNotFoundError as error:
         raise EmovidError(f"{error.name} is missing: pip install 'emovid[serve]'") from None
 
-    def started(host: str, port: int) -> None:
-        address = f"http://{f'[{host}]' if ':' in host else host}:{port}/"
+    if prefix and not re.fullmatch(r"(/[A-Za-z0-9._~-]+)+", prefix):
+        raise InputError(f"--prefix {prefix}: not a path; expected one such as /study1")
+
+    def started(host: str, port: int, token: str) -> None:
+        address = f"http://{f'[{host}]' if ':' in host else host}:{port}{prefix}/"
         print(f"{address}: {'pilot' if pilot else 'survey'} of {kit}; Ctrl-C ends it", file=sys.stderr, flush=True)
+        if not quiet:
+            print(f"{address}status#{token}: numbers of participants, for researchers", file=sys.stderr)
         if (kit / "private").exists() and not quiet:
             print(f"{kit / 'private'} is not needed here: keep it elsewhere while the study runs", file=sys.stderr)
 
-    run(kit, host, port, pilot=pilot, https=https, release=60 * release_after, started=started)
+    release = 60 * release_after
+    run(kit, host, port, pilot=pilot, https=https, release=release, kiosk=kiosk, prefix=prefix, started=started)
 
 
 def responses(
@@ -110,7 +124,7 @@ def withdraw(
     """
     normal = normalized(code)
     _, store = open_survey(kit, pilot=pilot)
-    outcome = store.withdraw(digest(normal)) if normal else Withdrawal.UNKNOWN
+    outcome = store.withdraw(digest(normal), recruit_digest(normal)) if normal else Withdrawal.UNKNOWN
     store.close()
     if outcome is Withdrawal.UNKNOWN:
         raise InputError(f"{code}: no participant has this code; expected one such as bcdf-ghjk-mnpq-rstv-wxyz-2345")
@@ -121,3 +135,18 @@ def withdraw(
         )
     if not quiet:
         print("all records of this participant are deleted; delete them in earlier exports, too", file=sys.stderr)
+
+
+def recruits(kit: KitPath, pilot: Pilot = False) -> None:
+    """List the participants of a recruitment service, as CSV.
+
+    Their parameters and outcome (started, finished, failed) tell whom to pay. Nothing joins them with answers.
+
+    Examples: emovid study recruits kit/ > recruits.csv
+    """
+    opened, store = open_survey(kit, pilot=pilot)
+    found = store.recruits()
+    store.close()
+    names = opened.manifest.recruitment.names if opened.manifest.recruitment else ()
+    rows = [[*(parameters.get(name, "") for name in names), outcome] for parameters, outcome in found]
+    typer.echo(csv_text([*names, "outcome"], rows), nl=False)

@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import Field, PositiveFloat, PositiveInt, ValidationError
 
@@ -22,9 +22,13 @@ from emovid.kit.study import (
     Return,
     Study,
     Thanks,
+    Translation,
 )
 from emovid.kit.texts import Texts, in_language
+from emovid.responses.labels import NONE
 from emovid.yaml_models import Keys, source_error
+
+Asked = TypeVar("Asked", Question, "PublicCheck")
 
 
 class PublicVideo(Keys):
@@ -111,6 +115,7 @@ class Manifest(Keys):
     debriefing: str | None = None
     recruitment: Recruitment | None = None
     counting: Counting = Counting()
+    translations: dict[str, Translation] = Field({})
 
     @property
     def codes(self) -> list[str]:
@@ -139,6 +144,38 @@ class Manifest(Keys):
             f"  {json.dumps(k, ensure_ascii=False)}: {json.dumps(v, ensure_ascii=False)}" for k, v in meant.items()
         ]
         return "\n".join([f"labels: [{', '.join(labels)}]", "answers:", *answers, ""])
+
+
+def localized(manifest: Manifest, language: str) -> Manifest:
+    """Return a manifest in one of its languages; the labels and the names of questions stay."""
+    found = manifest.translations.get(language)
+    if found is None:
+        return manifest
+    texts = found.labels | ({NONE: found.none_of_these} if found.none_of_these else {})
+    labels = tuple(Choice(label=item.label, text=texts[item.label]) for item in manifest.choices.labels)
+    consent = in_language(Consent(text=found.consent, version=manifest.consent.version), language)
+    return manifest.model_copy(
+        update={
+            "language": language,
+            "title": found.title,
+            "question": found.question,
+            "choices": manifest.choices.model_copy(update={"labels": labels}),
+            "ratings": tuple(item.model_copy(update=dict(found.ratings[item.name])) for item in manifest.ratings),
+            "demographics": tuple(_translated(item, found) for item in manifest.demographics),
+            "questions_after": tuple(_translated(item, found) for item in manifest.questions_after),
+            "checks": tuple(_translated(item, found) for item in manifest.checks),
+            "consent": consent,
+            "instructions": found.instructions,
+            "thanks": manifest.thanks.model_copy(update={"text": found.thanks}),
+            "debriefing": found.debriefing,
+            "requirements": manifest.requirements.model_copy(update={"text": found.requirements}),
+            "texts": in_language(found.texts, language),
+        }
+    )
+
+
+def _translated(item: Asked, translation: Translation) -> Asked:
+    return item.model_copy(update=dict(translation.questions[item.name]))
 
 
 def json_text(keys: Keys) -> str:
@@ -230,6 +267,7 @@ def manifest_of(
         recruitment=study.recruitment
         and study.recruitment.model_copy(update={"declined": Return(), "failed": Return()}),
         counting=study.counting,
+        translations=study.translations,
     )
 
 

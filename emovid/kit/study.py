@@ -1,11 +1,11 @@
 """The keys of study.yaml, and the rules between them."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
-from emovid.errors import SourceError
+from emovid.errors import SourceError, nearest
 from emovid.kit.orders import Scheme
 from emovid.kit.texts import Language, Link, Name, Parameter, Text, TextList, Texts
 from emovid.responses.labels import NONE, Labels, plain
@@ -218,6 +218,42 @@ class Counting(Keys):
     )
 
 
+class QuestionTranslation(Keys):
+    """A question in another language."""
+
+    question: Text = Field(description="text of the question")
+    choices: Annotated[tuple[Text, ...], Field(strict=False)] | None = Field(
+        None, description="the choices in the same order, if there are any"
+    )
+
+
+class RatingTranslation(Keys):
+    """A slider in another language."""
+
+    question: Text = Field(description="text of the question")
+    low: Text = Field(description="label of the left end")
+    high: Text = Field(description="label of the right end")
+
+
+class Translation(Keys):
+    """The study's texts in another language."""
+
+    title: Text = Field(description="title that participants read")
+    question: Text = Field(description="question about each video")
+    labels: dict[str, Text] = Field(description="text of each label")
+    none_of_these: Text | None = Field(None, description="text of the answer for none of them, if it is offered")
+    ratings: dict[str, RatingTranslation] = Field({}, description="the sliders by name")
+    questions: dict[str, QuestionTranslation] = Field(
+        {}, description="demographics, questions after the videos and attention checks, by name"
+    )
+    consent: Text = Field(description="text of the first page")
+    instructions: Text = Field(description="text before the first video")
+    thanks: Text = Field(description="text of the last page")
+    debriefing: Text | None = Field(None, description="text after the submission, if there is one")
+    requirements: Text | None = Field(None, description="text about devices and browsers, if there is one")
+    texts: Texts = Field(Texts(), description="words of the pages that differ from the translation of emovid")
+
+
 class Ethics(Keys):
     """Approval by an ethics board."""
 
@@ -238,6 +274,9 @@ class Study(Keys):
 
     title: Text = Field(description="title that participants read")
     language: Language = Field("en", description="language of the texts")
+    translations: dict[Language, Translation] = Field(
+        {}, description="further languages, of which participants choose one at the start"
+    )
     authors: TextList = Field((), description="authors, for the exports")
     question: Text = Field(description="question about each video")
     labels: dict[str, Text] = Field(description="answers: label in data and key, and its text on the page")
@@ -304,8 +343,42 @@ def _faults(study: Study) -> Iterator[tuple[str, str]]:
         yield from _stimulus_faults(study, stimulus, f"stimuli.{i}")
     yield from _setting_faults(study)
     yield from _name_faults(study)
+    for language, translation in study.translations.items():
+        for key, message in _translation_faults(study, translation):
+            yield f"translations.{language}.{key}", message
     if study.plan.rate * len(study.answers) <= 1:
         yield "plan.rate", f"{study.plan.rate:g}: expected more than chance, which is 1 in {len(study.answers)}"
+
+
+def _translation_faults(study: Study, translation: Translation) -> Iterator[tuple[str, str]]:
+    """Yield the gaps of a translation."""
+    asked: list[Question | AttentionCheck] = [*study.demographics, *study.questions_after, *study.checks]
+    groups: list[tuple[str, Collection[str], Collection[str]]] = [
+        ("labels", study.labels, translation.labels),
+        ("ratings", study.ratings.asked, translation.ratings),
+        ("questions", [item.name for item in asked], translation.questions),
+    ]
+    for key, wanted, given in groups:
+        for name in wanted:
+            if name not in given:
+                yield key, f"{name} is missing; expected its text in this language"
+        for name in given:
+            if name not in wanted:
+                yield f"{key}.{name}", f"unknown name{nearest(name, wanted)}; expected {', '.join(wanted)}"
+    for item in asked:
+        count, found = len(item.choices or ()), translation.questions.get(item.name)
+        if found and len(found.choices or ()) != count:
+            yield (
+                f"questions.{item.name}.choices",
+                f"{len(found.choices or ())} given; expected {count}, as in the study",
+            )
+    for name, text in (
+        ("none_of_these", study.none_of_these),
+        ("debriefing", study.debriefing),
+        ("requirements", study.requirements.text),
+    ):
+        if (text is None) != (getattr(translation, name) is None):
+            yield name, "expected a text in both languages or in none"
 
 
 def _name_faults(study: Study) -> Iterator[tuple[str, str]]:

@@ -4,6 +4,7 @@ from flask import Blueprint, g, redirect, render_template, request, url_for
 from werkzeug.wrappers import Response
 
 from emovid.survey import codes, session
+from emovid.survey.export import progress_of
 from emovid.survey.session import survey
 from emovid.survey.store import Withdrawal
 
@@ -27,7 +28,7 @@ def enter() -> Reply:
         session.use_code(code)
         return redirect(url_for("pages.start"), 303)
     if code and store.has_withdrawn(codes.digest(code)):
-        return render_template("message.html", text=survey().manifest.texts.withdrawn), 410
+        return render_template("message.html", text=session.manifest().texts.withdrawn), 410
     return render_template("resume.html", given=given, unknown=True), 404
 
 
@@ -43,12 +44,12 @@ def withdraw() -> Reply:
     """Delete all records of a participant; a repetition changes nothing."""
     given = request.form.get("code", "")
     code = codes.normalized(given)
-    outcome = survey().store.withdraw(codes.digest(code)) if code else Withdrawal.UNKNOWN
+    outcome = survey().store.withdraw(codes.digest(code), codes.recruit_digest(code)) if code else Withdrawal.UNKNOWN
     if outcome is Withdrawal.UNKNOWN:
         return render_template("withdraw.html", given=given, unknown=True), 404
     if code == g.code:
         session.use_code(codes.fresh_code())
-    texts = survey().manifest.texts
+    texts = session.manifest().texts
     return render_template("message.html", text=texts.withdrawn if outcome is Withdrawal.DELETED else texts.erasing)
 
 
@@ -63,3 +64,19 @@ def start_for_another() -> Reply:
     """Forget the participant in this browser; the records stay."""
     session.use_code(codes.fresh_code())
     return redirect(url_for("pages.start"), 303)
+
+
+@access.get("/status")
+def ask_for_status() -> Reply:
+    """Ask researchers for the token of this page; the script fills in one that follows # in the address."""
+    return render_template("status.html", progress=None, unknown=False)
+
+
+@access.post("/status")
+def status() -> Reply:
+    """Show researchers the numbers of participants; no answers."""
+    if not codes.is_status_token(request.form.get("code", ""), survey().store.secret):
+        return render_template("status.html", progress=None, unknown=True), 403
+    kit = survey().kit
+    progress = progress_of(survey().store, list(kit.orders), kit.manifest.codes, survey().release)
+    return render_template("status.html", progress=progress, unknown=False)

@@ -30,10 +30,29 @@ def digest(code: str) -> str:
     return hashlib.sha256(f"emovid survey/{code}".encode()).hexdigest()
 
 
+def recruit_digest(code: str) -> str:
+    """Return the digest that stands for a participant among recruits; only the code itself leads to both digests."""
+    return hashlib.sha256(f"emovid recruit/{code}".encode()).hexdigest()
+
+
+def status_token(secret: bytes) -> str:
+    """Return the token of the page for researchers."""
+    return readable(_letters(hmac.digest(secret, b"status", "sha256"), _LENGTH))
+
+
+def is_status_token(given: str, secret: bytes) -> bool:
+    """Return whether somebody gave the token of the page for researchers."""
+    return hmac.compare_digest(normalized(given).encode(), normalized(status_token(secret)).encode())
+
+
 def site_name(secret: bytes) -> str:
     """Return five characters that tell the participants of one database from those of every other one."""
-    number = int.from_bytes(hashlib.sha256(b"emovid site/" + secret).digest())
-    return "".join(_ALPHABET[number // len(_ALPHABET) ** i % len(_ALPHABET)] for i in range(5))
+    return _letters(hashlib.sha256(b"emovid site/" + secret).digest(), 5)
+
+
+def _letters(data: bytes, length: int) -> str:
+    number = int.from_bytes(data)
+    return "".join(_ALPHABET[number // len(_ALPHABET) ** i % len(_ALPHABET)] for i in range(length))
 
 
 def form_token(secret: bytes, code: str) -> str:

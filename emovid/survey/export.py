@@ -191,8 +191,9 @@ def progress_of(store: Store, rows: Sequence[str], codes: Sequence[str], release
     counts = Counter(status_of(person, store.clock(), release) for person in people)
     done = [person for person in people if person.submitted is not None]
     taken = Counter(person.order_row for person in done)
-    shown = max((len(person.videos) for person in people), default=len(codes))
-    balance = balance_of([person.videos for person in done], codes, shown)
+    orders = [tuple(code for code in person.videos if code in set(codes)) for person in done]
+    shown = max(map(len, orders), default=len(codes))
+    balance = balance_of(orders, codes, shown)
     return SurveyProgress(
         finished=counts[FINISHED],
         in_progress=counts[IN_PROGRESS],

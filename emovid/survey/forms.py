@@ -6,11 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from werkzeug.datastructures import MultiDict
+
 from emovid.kit.manifest import NamedRating
-from emovid.kit.study import Question
+from emovid.kit.study import Question, Requirements
 from emovid.survey.records import Playback, Screen
 
 MAX_CHARACTERS = 500  # of a line of text
+MAX_LONG = 5000  # of several lines
 MIN_BODY = 64 * 1024  # bytes of a request that are always accepted
 _BYTES_PER_CHARACTER = 12  # of a character outside the Basic Multilingual Plane, percent-encoded
 _MAX_MS = 24 * 60 * 60 * 1000  # of a time measured by the browser
@@ -36,10 +39,14 @@ class PlayerReport:
     playback: Playback
 
 
-def about_of(items: Sequence[Question], form: Mapping[str, str]) -> tuple[dict[str, str], set[str]]:
-    """Return the answers about a participant, and the names of required questions without an answer."""
-    answers = {item.name: _text(item, form.get(item.name, "")) for item in items}
-    return answers, {item.name for item in items if item.required and not answers[item.name]}
+def answers_of(items: Sequence[Question], form: MultiDict[str, str]) -> tuple[dict[str, str], set[str]]:
+    """Return the answers to questions, and the names of those whose answer is missing or invalid.
+
+    Several choices are separated by |.
+    """
+    answers = {item.name: _answer(item, form.getlist(item.name)) for item in items}
+    given = {item.name for item in items if item.number and "".join(form.getlist(item.name)).strip()}
+    return answers, {item.name for item in items if not answers[item.name] and (item.required or item.name in given)}
 
 
 def answer_of(
@@ -70,10 +77,41 @@ def report_of(data: Any) -> PlayerReport | None:
     return PlayerReport(play, screen, _clipped(data.get("share"), 1.0), playback)
 
 
+def max_characters(item: Question) -> int:
+    """Return the length of the longest answer to a question for text."""
+    return MAX_LONG if item.long else MAX_CHARACTERS
+
+
 def body_limit(items: Sequence[Question]) -> int:
-    """Return the size [bytes] of the largest request that the study's longest form can make."""
-    lines = sum(item.choices is None for item in items)
-    return MIN_BODY + lines * MAX_CHARACTERS * _BYTES_PER_CHARACTER
+    """Return the size [bytes] of the largest request that a form with these questions can make."""
+    return MIN_BODY + _BYTES_PER_CHARACTER * sum(max_characters(item) for item in items if item.choices is None)
+
+
+def is_suitable(requirements: Requirements, form: Mapping[str, str], user_agent: str) -> bool:
+    """Return whether a device and browser meet the study's requirements, as far as they are known.
+
+    Args:
+        requirements: of the study.
+        form: device and width of the window [CSS pixels], as the script of the first page adds them.
+        user_agent: of the browser.
+    """
+    device, width = form.get("device", ""), form.get("width", "")
+    if device in DEVICES and device not in requirements.devices:
+        return False
+    if re.fullmatch("[0-9]{1,6}", width) and int(width) < requirements.min_width:
+        return False
+    return not requirements.browsers or browser_of(user_agent) in requirements.browsers
+
+
+def browser_of(user_agent: str) -> str:
+    """Return the family of a browser: edge, firefox, chrome, safari, or "" for another one."""
+    families = {
+        "edge": r"Edg(e|A|iOS)?/",
+        "firefox": r"(Firefox|FxiOS)/",
+        "chrome": r"(Chrome|Chromium|CriOS)/",
+        "safari": r"Version/.* Safari/",
+    }
+    return next((name for name, pattern in families.items() if re.search(pattern, user_agent)), "")
 
 
 def response_ms_of(form: Mapping[str, str]) -> int | None:
@@ -82,15 +120,25 @@ def response_ms_of(form: Mapping[str, str]) -> int | None:
     return int(given) if re.fullmatch("[0-9]{1,8}", given) and int(given) <= _MAX_MS else None
 
 
-def _text(item: Question, given: str) -> str:
-    """Return an answer: one of the choices, or a line of text; "" without one.
-
-    Control characters and line ends become spaces. Joiners and marks of direction (category Cf) belong to the words of
-    many scripts, and stay.
-    """
+def _answer(item: Question, given: Sequence[str]) -> str:
+    """Return an answer: one or several of the choices, a number in the range, or text; "" without one."""
     if item.choices is not None:
-        return given if given in item.choices else ""
-    return "".join(" " if unicodedata.category(c) in _NOT_IN_A_LINE else c for c in given).strip()[:MAX_CHARACTERS]
+        chosen = [choice for choice in item.choices if choice in given]
+        return "|".join(chosen if item.several else chosen[:1])
+    text = given[0] if given else ""
+    if item.number:
+        number = int(text) if re.fullmatch(r"\s*[+-]?[0-9]{1,12}\s*", text, re.ASCII) else item.number.low - 1
+        return str(number) if item.number.low <= number <= item.number.high else ""
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    return ("\n" if item.long else " ").join(map(_line, lines)).strip()[: max_characters(item)]
+
+
+def _line(text: str) -> str:
+    """Return text without control characters and line separators.
+
+    Joiners and marks of direction (category Cf) belong to the words of many scripts, and stay.
+    """
+    return "".join(" " if unicodedata.category(character) in _NOT_IN_A_LINE else character for character in text)
 
 
 def _rating(given: str, steps: int) -> int:

@@ -42,7 +42,7 @@ def watched(place: int) -> dict[str, object]:
     known = store.play(person.id, place, report.play)
     if known is None:
         abort(409)
-    duration = next(video.duration for video in survey().manifest.videos if video.code == person.videos[place - 1])
+    duration = survey().manifest.all_videos[person.videos[place - 1]].duration
     now = store.clock()
     share = rules.credited(report.share, known.started, now, duration)
     opened = store.end_play(person.id, place, report.play, share, report.playback, duration)
@@ -54,7 +54,10 @@ def _report(place: int) -> tuple[Participant, PlayerReport]:
     person = session.participant()
     if person is None:
         abort(403)
-    report = report_of(request.get_json())
+    try:
+        report = report_of(request.get_json())
+    except RecursionError:  # deeply nested
+        report = None
     if report is None:
         abort(400)
     if not is_open(Step(Page.VIDEO, place), session.progress(person)):

@@ -13,8 +13,9 @@ class Page(IntEnum):
     ABOUT = 1
     INSTRUCTIONS = 2
     VIDEO = 3
-    REVIEW = 4
-    THANKS = 5
+    AFTER = 4
+    REVIEW = 5
+    THANKS = 6
 
 
 @dataclass(frozen=True, order=True)
@@ -33,9 +34,11 @@ class Progress:
         has_questions: whether the study asks questions about the participant.
         told: whether the participant has answered these.
         instructed: whether the participant has read the instructions.
-        videos: number of videos shown.
+        videos: number of videos shown, practice and attention checks included.
         answered: places of the videos that have an answer.
         submitted: whether the participant has submitted all answers.
+        has_questions_after: whether the study asks questions after the videos.
+        told_after: whether the participant has answered these.
     """
 
     has_questions: bool
@@ -44,6 +47,8 @@ class Progress:
     videos: int
     answered: Collection[int]
     submitted: bool
+    has_questions_after: bool = False
+    told_after: bool = False
 
 
 def current(done: Progress) -> Step:
@@ -56,14 +61,18 @@ def current(done: Progress) -> Step:
         return Step(Page.INSTRUCTIONS)
     unanswered = (place for place in range(1, done.videos + 1) if place not in done.answered)
     place = next(unanswered, 0)
-    return Step(Page.VIDEO, place) if place else Step(Page.REVIEW)
+    if place:
+        return Step(Page.VIDEO, place)
+    return Step(Page.AFTER if done.has_questions_after and not done.told_after else Page.REVIEW)
 
 
 def is_open(step: Step, done: Progress) -> bool:
     """Return whether a page may be seen: every page up to the current one, and after submission only the last one."""
-    exists = (
-        done.has_questions if step.page is Page.ABOUT else step.page is not Page.VIDEO or 1 <= step.place <= done.videos
-    )
+    exists = {
+        Page.ABOUT: done.has_questions,
+        Page.VIDEO: 1 <= step.place <= done.videos,
+        Page.AFTER: done.has_questions_after,
+    }.get(step.page, True)
     return exists and (step == current(done) if done.submitted else step <= current(done))
 
 
@@ -80,10 +89,27 @@ def before(step: Step, done: Progress) -> Step | None:
             return Step(Page.ABOUT)
         case Page.VIDEO:
             return Step(Page.VIDEO, step.place - 1) if step.place > 1 else Step(Page.INSTRUCTIONS)
-        case Page.REVIEW:
+        case Page.REVIEW if done.has_questions_after:
+            return Step(Page.AFTER)
+        case Page.AFTER | Page.REVIEW:
             return Step(Page.VIDEO, done.videos)
         case _:
             return None
+
+
+def with_extras(order: Sequence[str], practice: str | None, checks: Sequence[tuple[str, int]]) -> tuple[str, ...]:
+    """Return the videos that a participant sees: the order, with the practice video and the attention checks in it.
+
+    Args:
+        order: codes of the stimuli.
+        practice: code of the practice video, which comes first.
+        checks: code of each attention check, and the number of stimuli before it.
+    """
+    places: list[list[str]] = [[] for _ in range(len(order) + 1)]
+    for code, after in checks:
+        places[min(after, len(order))].append(code)
+    sequence = [code for i, extra in enumerate(places) for code in (*extra, *order[i : i + 1])]
+    return (practice, *sequence) if practice else tuple(sequence)
 
 
 def next_row(rows: Sequence[str], taken: Mapping[str, int]) -> str:

@@ -9,6 +9,7 @@ from waitress.server import MultiSocketServer, TcpWSGIServer, create_server
 
 from emovid.errors import EmovidError, InputError, reason
 from emovid.survey.app import create_app
+from emovid.survey.codes import status_token
 from emovid.survey.store import open_survey
 
 _THREADS = 8  # most requests wait for the disk
@@ -20,7 +21,16 @@ _IDLE = 20  # seconds after which a connection without traffic is closed
 
 
 def serve(
-    path: Path, host: str, port: int, *, pilot: bool, https: bool, release: float, started: Callable[[str, int], None]
+    path: Path,
+    host: str,
+    port: int,
+    *,
+    pilot: bool,
+    https: bool,
+    release: float,
+    kiosk: bool,
+    prefix: str,
+    started: Callable[[str, int, str], None],
 ) -> None:
     """Serve a kit's survey until a signal ends it.
 
@@ -31,7 +41,9 @@ def serve(
         pilot: whether to record pilot answers, in a database of their own.
         https: whether a proxy in front speaks TLS with participants.
         release: seconds without activity after which an unfinished participant's row of the orders is free again.
-        started: called with host and port once the server accepts connections.
+        kiosk: whether participants share this computer.
+        prefix: path of the survey's address, as in /study1; "" for none.
+        started: called with host, port and the token of the page for researchers once the server accepts connections.
 
     Raises:
         InputError: as `open_survey`.
@@ -40,10 +52,13 @@ def serve(
     kit, store = open_survey(path, pilot=pilot, create=True, patience=_PATIENCE)
     logging.getLogger("waitress.queue").setLevel(logging.ERROR)  # requests that wait for a thread are normal
     try:
-        server = _server(create_app(kit, store, https=https, release=release), host, port)
+        server = _server(
+            create_app(kit, store, https=https, release=release, pilot=pilot, kiosk=kiosk, prefix=prefix), host, port
+        )
         # A name with several addresses, such as localhost, has one server for each.
         several = isinstance(server, MultiSocketServer)
-        started(host, server.effective_listen[0][1] if several else server.effective_port)
+        found = server.effective_listen[0][1] if several else server.effective_port
+        started(host, found, status_token(store.secret))
         server.run()
         server.close()
     finally:

@@ -6,7 +6,7 @@ from datetime import timedelta
 from flask import Response, current_app, g, request
 
 from emovid.kit.folder import Kit
-from emovid.kit.manifest import Manifest
+from emovid.kit.manifest import Manifest, localized
 from emovid.survey import codes
 from emovid.survey.records import Participant
 from emovid.survey.rules import Progress
@@ -26,12 +26,18 @@ class Survey:
         store: store of the answers.
         https: whether a proxy in front speaks TLS with participants; the cookie is then sent over TLS only.
         release: seconds without activity after which an unfinished participant's row of the orders is free again.
+        pilot: whether answers are those of a pilot.
+        kiosk: whether participants share this computer: the last page leads to the next person by itself.
+        prefix: path of the survey's address, as in /study1; "" for none.
     """
 
     kit: Kit
     store: Store
     https: bool
     release: float
+    pilot: bool = False
+    kiosk: bool = False
+    prefix: str = ""
 
     @property
     def manifest(self) -> Manifest:
@@ -40,8 +46,10 @@ class Survey:
 
     @property
     def cookie(self) -> str:
-        """Name of the cookie; browsers let no other host set one that begins with __Host-."""
-        return "__Host-emovid" if self.https else "emovid"
+        """Name of the cookie; browsers let no other host set one that begins with __Host-, whose path is /."""
+        if not self.https:
+            return "emovid"
+        return "__Secure-emovid" if self.prefix else "__Host-emovid"
 
 
 def survey() -> Survey:
@@ -64,8 +72,10 @@ def use_code(code: str) -> None:
 def set_cookie(response: Response) -> Response:
     """Set the cookie where the browser does not have it yet."""
     if g.get("new") and request.endpoint != "static":
-        https = survey().https
-        response.set_cookie(survey().cookie, g.code, max_age=_COOKIE_AGE, httponly=True, samesite="Lax", secure=https)
+        https, path = survey().https, survey().prefix or "/"
+        response.set_cookie(
+            survey().cookie, g.code, max_age=_COOKIE_AGE, httponly=True, samesite="Lax", secure=https, path=path
+        )
     return response
 
 
@@ -83,6 +93,8 @@ def progress(person: Participant) -> Progress:
         videos=len(person.videos),
         answered=person.answers.keys(),
         submitted=person.submitted is not None,
+        has_questions_after=bool(survey().manifest.questions_after),
+        told_after=person.after is not None,
     )
 
 
@@ -100,3 +112,15 @@ def has_form_token() -> bool:
     """Return whether the request has the right token, in a field or in a header."""
     given = request.headers.get(FORM_HEADER) or request.form.get(FORM_FIELD, "")
     return codes.is_form_token(given, survey().store.secret, g.code)
+
+
+def manifest() -> Manifest:
+    """Return the manifest in the language of the participant, or the one that was chosen on the first page."""
+    own = survey().manifest
+    if not own.translations:
+        return own
+    if "manifest" not in g:
+        person = participant() if "code" in g else None
+        g.manifest = localized(own, person.language if person else request.values.get("language", ""))
+    found: Manifest = g.manifest
+    return found

@@ -63,7 +63,14 @@ class Store:
         self._data.close()
 
     def enroll(
-        self, digest: str, orders: Mapping[str, Order], choices: Mapping[str, Order], version: str, release: float
+        self,
+        digest: str,
+        orders: Mapping[str, Order],
+        choices: Mapping[str, Order],
+        version: str,
+        release: float,
+        kit_version: int = 1,
+        language: str = "",
     ) -> Participant:
         """Add a participant, unless the code has one already; return the participant with this code.
 
@@ -73,6 +80,8 @@ class Store:
             choices: labels in the order of the page, by row.
             version: version of the consent text.
             release: seconds without activity after which an unfinished participant's row is free again.
+            kit_version: version of the kit's texts.
+            language: language of the pages; "" for that of the kit.
         """
         now = self.clock()
         with self._data.writing() as sql:
@@ -83,8 +92,9 @@ class Store:
             row = next_row(list(orders), dict(taken.fetchall()))
             sql.execute(
                 "INSERT OR IGNORE INTO participants"
-                " (digest, order_row, videos, choices, consent_version, enrolled, seen) VALUES (?, ?, ?, ?, ?, ?, ?)",
-                (digest, row, json.dumps(orders[row]), json.dumps(choices[row]), version, now, now),
+                " (digest, order_row, videos, choices, consent_version, enrolled, seen, kit_version, language)"
+                " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?6, ?7, ?8)",
+                (digest, row, json.dumps(orders[row]), json.dumps(choices[row]), version, now, kit_version, language),
             )
             person = find_participant(sql, digest)
         assert person is not None  # inserted above, or earlier
@@ -106,6 +116,38 @@ class Store:
         change = "UPDATE participants SET about = ?, seen = ? WHERE id = ? AND submitted ISNULL"
         with self._data.writing() as sql:
             sql.execute(change, (text, now, participant))
+
+    def tell_after(self, participant: int, after: Mapping[str, str]) -> None:
+        """Record the answers to the questions after the videos, of a participant who has not submitted."""
+        now, text = self.clock(), json.dumps(dict(after), ensure_ascii=False)
+        change = "UPDATE participants SET after = ?, seen = ? WHERE id = ? AND submitted ISNULL"
+        with self._data.writing() as sql:
+            sql.execute(change, (text, now, participant))
+
+    def add_recruit(self, recruit: str, parameters: Mapping[str, str]) -> None:
+        """Record the parameters of a recruitment service, apart from the answers, unless they are there."""
+        with self._data.writing() as sql:
+            sql.execute(
+                "INSERT OR IGNORE INTO recruits VALUES (?, ?, 'started')",
+                (recruit, json.dumps(dict(parameters), ensure_ascii=False)),
+            )
+
+    def recruit_parameters(self, recruit: str) -> dict[str, str]:
+        """Return the parameters recorded of a recruit; empty without any."""
+        with self._data.reading() as sql:
+            row = sql.execute("SELECT parameters FROM recruits WHERE digest = ?", (recruit,)).fetchone()
+        return json.loads(row[0]) if row else {}
+
+    def end_recruit(self, recruit: str, outcome: str) -> None:
+        """Record that a recruit has finished, or failed an attention check."""
+        with self._data.writing() as sql:
+            sql.execute("UPDATE recruits SET outcome = ? WHERE digest = ?", (outcome, recruit))
+
+    def recruits(self) -> list[tuple[dict[str, str], str]]:
+        """Return parameters and outcome of all recruits, in an order that tells nothing of when they came."""
+        with self._data.reading() as sql:
+            rows = sql.execute("SELECT parameters, outcome FROM recruits ORDER BY parameters").fetchall()
+        return [(json.loads(parameters), outcome) for parameters, outcome in rows]
 
     def instruct(self, participant: int) -> None:
         """Record that a participant has read the instructions."""
@@ -207,9 +249,15 @@ class Store:
             submitted = "SELECT 1 FROM participants WHERE id = ? AND submitted NOTNULL"
             return sql.execute(submitted, (participant,)).fetchone() is not None
 
-    def withdraw(self, digest: str) -> Withdrawal:
-        """Delete a participant from the file and its log; a repetition completes what another program has kept."""
+    def withdraw(self, digest: str, recruit: str = "") -> Withdrawal:
+        """Delete a participant from the file and its log; a repetition completes what another program has kept.
+
+        Args:
+            digest: digest of the participant's code.
+            recruit: digest of the code among recruits.
+        """
         with self._data.writing() as sql:
+            sql.execute("DELETE FROM recruits WHERE digest = ?", (recruit,))
             if sql.execute("DELETE FROM participants WHERE digest = ?", (digest,)).rowcount:
                 sql.execute("INSERT OR IGNORE INTO withdrawn VALUES (?)", (digest,))
             elif not sql.execute("SELECT 1 FROM withdrawn WHERE digest = ?", (digest,)).fetchone():
@@ -270,7 +318,7 @@ def open_survey(path: Path, *, pilot: bool, create: bool = False, patience: floa
 
 def _check_complete(kit: Kit) -> None:
     kit.need_orders()
-    for video in kit.manifest.videos:
+    for video in kit.manifest.all_videos.values():
         path = kit.folder.video(video.code)
         if not path.is_file() or path.stat().st_size != video.bytes:
             raise InputError(

@@ -58,6 +58,10 @@ function activateForm(form) {
     sending = true;
     const body = new URLSearchParams(new FormData(form));
     if (event.submitter?.name) body.append(event.submitter.name, event.submitter.value);
+    if (form.id === "consent") {
+      body.append("device", device());
+      body.append("width", window.innerWidth);
+    }
     if (form.id === "answer") body.append("response-ms", Math.round(performance.now() - (Number(form.dataset.opened) || opened)));
     const reply = await send(form.getAttribute("action"), { body }, say); // form.action may be a question's name
     if (reply.redirected) return go(reply.url);
@@ -99,6 +103,13 @@ async function fetchAhead() {
   }
 }
 
+/** Follow a link by itself after its seconds: back to the recruitment service, or to the next person at a kiosk. */
+function followLinks() {
+  for (const link of document.querySelectorAll("a[data-seconds]")) {
+    setTimeout(() => go(link.href), 1000 * Number(link.dataset.seconds));
+  }
+}
+
 function device() {
   if (!window.matchMedia("(pointer: coarse)").matches) return "desktop";
   return Math.min(window.screen.width, window.screen.height) < 600 ? "phone" : "tablet";
@@ -109,6 +120,7 @@ function activate() {
   for (const form of document.forms) activateForm(form);
   for (const slider of document.querySelectorAll("input[type=range]")) activateSlider(slider);
   activateCode();
+  followLinks();
   if (byId("player")) activatePlayer(byId("player")); // fetches ahead once its own video is loaded
   else fetchAhead();
 }

@@ -1,0 +1,343 @@
+"""Options of studies (practice, attention checks, recruitment, languages, requirements) and of the server."""
+
+import csv
+import io
+import re
+from collections.abc import Callable
+
+import pytest
+
+from emovid.cli.main import main
+from emovid.kit.folder import Kit, open_public
+from emovid.kit.texts import TRANSLATED, Texts, words_of
+from emovid.survey import codes
+from emovid.survey.app import create_app
+from emovid.survey.export import responses_csv
+from emovid.survey.store import Store
+from tests.helpers.small_survey import STUDY, small_kit
+from tests.helpers.visitor import Clock, Visitor
+
+EVERYTHING = (
+    STUDY.replace('"https://example.org/back?study=1&done=yes"', '"https://example.org/back?pid={PROLIFIC_PID}"')
+    + """
+practice: {scene: happiness}
+checks:
+  - {name: shape, scene: sadness, question: "Which shape?", choices: [Circle, Star], answer: Circle, after: 3}
+questions_after:
+  - {name: comments, question: "Comments?", long: true, required: false}
+  - {name: age, question: "Age?", number: {low: 18, high: 99}}
+  - {name: tools, question: "Tools?", choices: [A, B, C], several: true, required: false}
+debriefing: This was about motion.
+requirements: {text: Please use a computer., devices: [desktop], min_width: 600, browsers: [firefox, chrome]}
+recruitment: {service: prolific, automatic: 5, declined: {code: N0PE}, failed: {code: FA1LED}}
+counting: {failed_checks: false, max_stalled_ms: 500}
+translations:
+  ar:
+    title: عنوان
+    question: ما العاطفة؟
+    labels: {happiness: سعادة, surprise: مفاجأة, anger: غضب, fear: خوف, disgust: اشمئزاز, sadness: حزن}
+    consent: نص الموافقة
+    instructions: تعليمات
+    thanks: شكرا
+    debriefing: كان عن الحركة
+    requirements: استخدم حاسوبا
+    questions:
+      gender: {question: ما جنسك؟, choices: [امرأة, رجل, آخر]}
+      country: {question: أين تعيش؟}
+      comments: {question: تعليقات؟}
+      age: {question: العمر؟}
+      tools: {question: أدوات؟, choices: [أ, ب, ج]}
+      shape: {question: أي شكل؟, choices: [دائرة, نجمة]}
+"""
+)
+CHROME = "Mozilla/5.0 (X11; Linux x86_64) AppleWebKit/537.36 (KHTML, like Gecko) Chrome/140.0.0.0 Safari/537.36"
+SAFARI = "Mozilla/5.0 (Macintosh) AppleWebKit/605.1.15 (KHTML, like Gecko) Version/18.0 Safari/605.1.15"
+RECRUIT = {"PROLIFIC_PID": "p 1&x", "STUDY_ID": "s", "SESSION_ID": "t", "OTHER": "no"}
+
+
+@pytest.fixture(scope="module")
+def everything(tmp_path_factory):
+    """Build a kit with all options."""
+    return small_kit(tmp_path_factory.mktemp("options"), EVERYTHING)
+
+
+@pytest.fixture
+def full(everything) -> Kit:
+    return open_public(everything)
+
+
+@pytest.fixture
+def answers(full, tmp_path, clock):
+    made = Store(tmp_path / "options.sqlite", full.manifest.key_commitment, clock)
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def come(full, answers, clock) -> Callable[..., Visitor]:
+    """Open a browser of its own."""
+    return lambda **how: Visitor(create_app(full, answers, **how), clock)
+
+
+def agree(someone: Visitor, **form):
+    form = {"consent": "agree", "device": "desktop", "width": "1280"} | form
+    return someone.client.post("/consent", data={"form-token": someone.token, **form}, headers={"User-Agent": CHROME})
+
+
+def take_part(someone: Visitor, shape: str = "Circle", **form) -> Visitor:
+    """Go from the consent to the submission."""
+    assert agree(someone, **form).location == "/about"
+    someone.post("/about", gender="Woman")
+    assert someone.post("/instructions").location == "/video/1"
+    for place in range(1, 9):
+        assert someone.watch(place).json["open"]
+        response = shape if 'value="Star"' in someone.get(f"/video/{place}").text else "fear"
+        assert someone.answer(place, response).status_code == 303
+    assert someone.get("/").location == "/after"
+    assert someone.post("/after", age="30", tools="A").location == "/review"
+    assert someone.post("/submit").status_code == 303
+    return someone
+
+
+def rows(answers: Store, kit: Kit) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(responses_csv(answers, kit, pilot=False, release=7200))))
+
+
+def test_practice_comes_first_the_check_after_three_and_neither_is_in_the_data(come, answers, full) -> None:
+    someone = come()
+    agree(someone)
+    someone.post("/about", gender="Man")
+    someone.post("/instructions")
+    assert "Practice video" in someone.get("/video/1").text
+    assert "not counted" in someone.get("/video/1").text
+    seen = []
+    for place in range(1, 9):
+        page = someone.get(f"/video/{place}").text
+        seen.append(re.search(r'<h1 id="heading">([^<]*)<', page)[1])
+        someone.watch(place)
+        if place == 5:  # the practice video and three others come before it
+            assert "Which shape?" in page
+            assert re.findall(r'name="response" value="(\w+)"', page) == ["Circle", "Star"]
+            assert someone.answer(place, "fear").status_code == 400
+        someone.answer(place, "Circle" if place == 5 else "fear")
+    assert seen == ["Practice video", *(f"Video {n} of 7" for n in range(1, 8))]
+    found = rows(answers, full)
+    assert [row["position"] for row in found] == list("123456")
+    assert [row["video"] for row in found] == list(full.orders["P001"])
+    assert {row["checks"] for row in found} == {"1 of 1"}
+
+
+def test_answers_of_other_kinds_are_checked_and_exported(come, answers, full) -> None:
+    someone = take_part(come())
+    assert someone.get("/after").location == "/thanks"
+    other = come()
+    agree(other)
+    other.post("/about", gender="Woman")
+    other.post("/instructions")
+    for place in range(1, 9):
+        other.watch(place)
+        other.answer(place, "Circle" if place == 5 else "fear")
+    for age in ("", "17", "100", "1e2", "18.5", "old", "٣٠"):
+        reply = other.post("/after", age=age, comments="first\r\nsecond\x00")
+        assert reply.status_code == 400
+        assert "from 18 to 99" in reply.text
+        assert ">first\nsecond</textarea>" in reply.text
+    reply = other.client.post(
+        "/after", data={"form-token": other.token, "age": " 42", "comments": "a\r\n b", "tools": ["C", "A", "x"]}
+    )
+    assert reply.location == "/review"
+    other.post("/submit")
+    last = rows(answers, full)[-1]
+    assert (last["age"], last["comments"], last["tools"]) == ("42", "a\n b", "A|C")
+
+
+def test_nothing_is_submitted_before_the_questions_after_are_answered(come) -> None:
+    someone = come()
+    agree(someone)
+    someone.post("/about", gender="Woman")
+    someone.post("/instructions")
+    for place in range(1, 9):
+        someone.watch(place)
+        someone.answer(place, "Circle" if place == 5 else "fear")
+    someone.post("/submit")
+    assert someone.get("/").location == "/after"
+
+
+def test_recruits_are_stored_apart_and_go_back_with_their_parameters(come, answers, everything, capsys) -> None:
+    someone = come()
+    page = someone.get("/", query_string=RECRUIT).text
+    assert 'name="PROLIFIC_PID" value="p 1&amp;x"' in page
+    assert "OTHER" not in page
+    take_part(someone, **RECRUIT)
+    thanks = someone.get("/thanks").text
+    assert 'href="https://example.org/back?pid=p%201%26x"' in thanks
+    assert 'data-seconds="5"' in thanks
+    assert "C0MPLETE" in thanks
+    assert "This was about motion." in thanks
+    assert answers.recruits() == [({name: RECRUIT[name] for name in list(RECRUIT)[:3]}, "finished")]
+    with answers._data.reading() as sql:
+        participants = str(sql.execute("SELECT * FROM participants").fetchall())
+        (digest,) = sql.execute("SELECT digest FROM recruits").fetchone()
+    assert "p 1&x" not in participants
+    assert digest not in participants
+    assert codes.digest(someone.cookie) in participants
+    someone.post("/withdraw", code=someone.cookie)
+    assert answers.recruits() == []
+
+
+def test_a_failed_check_and_no_consent_have_codes_of_their_own(come, answers, full) -> None:
+    someone = take_part(come(), shape="Star", **RECRUIT)
+    thanks = someone.get("/thanks").text
+    assert "FA1LED" in thanks
+    assert "C0MPLETE" not in thanks
+    assert [outcome for _, outcome in answers.recruits()] == ["failed"]
+    assert {row["status"] for row in rows(answers, full)} == {"failed check"}
+    declined = come().post("/consent", consent="decline", **RECRUIT).text
+    assert "N0PE" in declined
+    assert "C0MPLETE" not in declined
+
+
+def test_requirements_are_said_first_and_checked(come, answers) -> None:
+    assert "Please use a computer." in come().get("/").text
+    assert "cannot be shown on this device" in agree(come(), device="phone").text
+    assert "cannot be shown on this device" in agree(come(), width="599").text
+    someone = come()
+    reply = someone.client.post(
+        "/consent", data={"form-token": someone.token, "consent": "agree"}, headers={"User-Agent": SAFARI}
+    )
+    assert "Please use a computer." in reply.text
+    assert answers.participants() == []
+
+
+def test_a_language_is_chosen_at_the_start_and_kept(come, answers, full) -> None:
+    someone = come()
+    assert 'href="/?language=ar"' in someone.get("/").text
+    page = someone.get("/?language=ar").text
+    assert '<html lang="ar" dir="rtl">' in page
+    assert "نص الموافقة" in page
+    assert words_of("ar")["agree"] in page
+    agree(someone, language="ar")
+    about = someone.get("/about").text
+    assert 'value="Woman" required>امرأة' in about  # the data keep the study's own words
+    someone.post("/about", gender="Woman")
+    someone.post("/instructions")
+    assert "ما العاطفة؟" in someone.get("/video/1").text
+    assert '<html lang="en" dir="ltr">' in come().get("/?language=xx").text
+    assert {row["language"] for row in rows(answers, full)} == {"ar"}
+
+
+def test_stalled_videos_are_marked_by_the_rule_that_was_set_before(come, answers, full) -> None:
+    someone = come()
+    agree(someone)
+    someone.post("/about", gender="Woman")
+    someone.post("/instructions")
+    someone.watch(1)
+    someone.answer(1, "fear")
+    for place, stalled in ((2, 500), (3, 501)):
+        someone.get(f"/video/{place}")
+        someone.report(f"/video/{place}/play", play=f"{place}" * 16)
+        someone.clock.now += 2
+        facts = {"share": 1, "frames": 30, "stalls": 2, "stalled-ms": stalled, "play-ms": 1400}
+        someone.report(f"/video/{place}/watched", play=f"{place}" * 16, **facts)
+        someone.post(f"/video/{place}", response="anger", **{"response-ms": "800"})
+    found = rows(answers, full)
+    assert [row["playback"] for row in found] == ["smooth", "stalled"]
+    assert (found[1]["stalls"], found[1]["stalled_ms"], found[1]["play_ms"]) == ("2", "501", "1400")
+
+
+def test_at_a_kiosk_the_last_page_leads_to_the_next_person_and_has_no_code(come, answers) -> None:
+    computer = come(kiosk=True)
+    code = codes.readable(take_part(computer).cookie)
+    page = computer.get("/thanks").text
+    assert code not in page
+    assert re.search(r'<a href="/" id="another" data-seconds="20"', page)
+    assert "I agree" in computer.get("/").text
+    assert code not in computer.get("/withdraw").text
+    take_part(computer)
+    assert len(answers.participants()) == 2
+
+
+def test_without_a_kiosk_the_last_page_has_a_link_to_the_next_person(visitor) -> None:
+    someone = visitor().go_through(["fear"] * 6)
+    assert 'href="/new"' in someone.get("/thanks").text
+
+
+@pytest.mark.parametrize("removed_by_the_proxy", [False, True])
+def test_under_a_prefix_every_address_has_it(opened, store, clock, removed_by_the_proxy) -> None:
+    client = create_app(opened, store, prefix="/study1", https=True).test_client()
+    start = "" if removed_by_the_proxy else "/study1"
+    reply = client.get(f"{start}/", base_url="https://localhost")
+    assert set(re.findall(r'(?:href|src|action)="(/[^"]*)"', reply.text)) == {
+        "/study1/static/icon.svg", "/study1/static/survey.css", "/study1/static/survey.js", "/study1/consent",
+        "/study1/resume",
+    }  # fmt: skip
+    assert re.fullmatch(
+        r"__Secure-emovid=[a-z0-9]{24}; .*Secure; HttpOnly; Path=/study1; .*", reply.headers["Set-Cookie"]
+    )
+    assert client.get(f"{start}/video/1", base_url="https://localhost").location == "/study1/resume"
+    assert client.get("/study10/", base_url="https://localhost").status_code == 404
+
+
+def test_a_pilot_says_so_on_every_page(opened, store) -> None:
+    client = create_app(opened, store, pilot=True).test_client()
+    for path in ("/", "/resume", "/nothing"):
+        assert "This is a test run." in client.get(path).text
+    assert "This is a test run." not in create_app(opened, store).test_client().get("/").text
+
+
+def test_the_status_page_needs_its_token_and_shows_counts_only(visitor, store) -> None:
+    visitor().go_through(["fear"] * 6)
+    researcher = visitor()
+    token = codes.status_token(store.secret)
+    assert "finished" not in researcher.get("/status").text
+    assert researcher.post("/status", code="b" * 24).status_code == 403
+    page = researcher.post("/status", code=token).text
+    assert re.search(r"finished</th><td>1<", page)
+    assert "fear" not in page
+
+
+@pytest.mark.parametrize("language", TRANSLATED)
+def test_no_word_is_missing_in_any_language(language) -> None:
+    words = words_of(language)
+    english = {name: field.default for name, field in Texts.model_fields.items()}
+    assert set(words) == {*english, "agree", "decline", "declined"}
+    for name, text in words.items():
+        assert text.strip()
+        assert re.findall(r"{\w+}", text) == re.findall(r"{\w+}", english.get(name, "")) or name == "place"
+        assert set(re.findall(r"{\w+}", text)) == set(re.findall(r"{\w+}", english.get(name, "")))
+
+
+def test_recruits_are_listed_as_csv(everything, capsys, tmp_path, monkeypatch) -> None:
+    kit = open_public(everything)
+    store = Store(kit.folder.answers / "answers.sqlite", kit.manifest.key_commitment)
+    store.add_recruit("digest", {"PROLIFIC_PID": "=1", "STUDY_ID": "s"})
+    store.close()
+    assert main(["study", "recruits", str(everything)]) == 0
+    assert capsys.readouterr().out == "PROLIFIC_PID,STUDY_ID,SESSION_ID,outcome\n'=1,s,,started\n"
+
+
+@pytest.mark.parametrize("depth", [10, 100_000])
+def test_nested_json_is_refused(visitor, depth) -> None:
+    someone = visitor().begin()
+    body = "[" * depth + "]" * depth
+    for path in ("/video/1/play", "/video/1/watched"):
+        headers = {"X-Form-Token": someone.token, "Content-Type": "application/json"}
+        assert someone.client.post(path, data=body[:60_000], headers=headers).status_code == 400
+
+
+def test_clock_that_is_put_back_between_two_runs_gives_no_negative_time(opened, tmp_path, monkeypatch) -> None:
+    path = tmp_path / "clock.sqlite"
+    first = Store(path, opened.manifest.key_commitment)
+    first.enroll("digest", opened.orders, opened.choices, "1", 60.0)
+    before = first.clock()
+    first.close()
+    monkeypatch.setattr("emovid.survey.store.time.time", lambda: before - 3600)
+    again = Store(path, opened.manifest.key_commitment)
+    assert again.clock() >= before - 1
+    again.close()
+
+
+def test_a_clock_of_a_test_is_not_replaced(opened, tmp_path) -> None:
+    store = Store(tmp_path / "own.sqlite", opened.manifest.key_commitment, Clock(5.0))
+    assert store.clock() == 5.0
+    store.close()
