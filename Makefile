@@ -3,7 +3,7 @@ PYTHON ?= python3
 JOBS ?= $(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
 BIN := .venv/bin
 
-.PHONY: all-videos robotarium-videos claims-table robotarium-table figures gallery golden kit study test chaos coverage lint format bench bench-survey readme docs sensitivity setup clean
+.PHONY: all-videos robotarium-videos claims-table robotarium-table figures gallery golden kit study test chaos coverage lint format bench bench-survey readme docs sensitivity validate-statistics setup clean
 
 all-videos: .venv/installed
 	$(BIN)/emovid render --all --jobs $(JOBS) -o videos
@@ -67,6 +67,9 @@ robotarium-table: .venv/installed
 
 sensitivity: .venv/installed
 	$(BIN)/python docs/make_sensitivity.py docs
+
+validate-statistics: .venv/installed
+	$(BIN)/python docs/make_validation.py docs
 
 setup: .venv/dev-installed
 

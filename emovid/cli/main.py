@@ -59,6 +59,7 @@ GROUPS = {
         "Plan, build, run and analyze a user study.",
         (
             Entry("power", "planning:power", "Plan how many participants a study needs.", "Plan"),
+            Entry("plan", "planning:plan", "Plan a whole study by simulation.", "Plan"),
             Entry("simulate", "planning:simulate", "Simulate the responses of participants.", "Plan"),
             Entry("new", "kit:new", "Create a study file that follows the paper's procedure.", "Build"),
             Entry("build", "kit:build", "Build a kit: videos under random codes, orders, the key.", "Build"),

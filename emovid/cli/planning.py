@@ -8,7 +8,16 @@ import typer
 
 from emovid.cli.options import Json, Quiet, RandomSeed, check_file, refuse_beside
 from emovid.report.results_json import as_json
-from emovid.workflows.planning import ACCURACY, Rehearsal, plan_study, write_rehearsal
+from emovid.workflows.planning import (
+    ACCURACY,
+    Rehearsal,
+    plan_design,
+    plan_looks,
+    plan_study,
+    plan_text,
+    planned_design,
+    write_rehearsal,
+)
 
 
 def power(
@@ -36,6 +45,43 @@ def power(
     ):
         needed = "more than can be planned" if participants is None else f"{participants} participants"
         typer.echo(f"{test + ':':<31} {needed}")
+
+
+def plan(
+    goal: Annotated[
+        str, typer.Option(help="h1: all emotions above chance; difference or equivalence: of two groups.")
+    ] = "h1",
+    rate: Annotated[float, typer.Option(help="Planned hit rate.")] = 0.5,
+    k: Annotated[int, typer.Option("--choices", min=2, max=12, help="Answers to choose from.")] = 6,
+    emotions: Annotated[int, typer.Option(min=1, max=12, help="Emotions shown.")] = 6,
+    exemplars: Annotated[int, typer.Option(min=1, max=20, help="Videos of each emotion.")] = 1,
+    participant_sd: Annotated[float, typer.Option(min=0, max=5, help="SD of participants in log odds.")] = 0.5,
+    video_sd: Annotated[float, typer.Option(min=0, max=5, help="SD of videos in log odds.")] = 0.0,
+    difference: Annotated[float, typer.Option(min=0, max=100, help="Difference to detect, in points.")] = 15.0,
+    margin: Annotated[float, typer.Option(min=0, max=100, help="Margin of equivalence, in points.")] = 15.0,
+    share: Annotated[float, typer.Option(help="Share of participants in the first group.")] = 0.5,
+    alpha: Annotated[float, typer.Option(help="Level of all tests together.")] = 0.05,
+    desired: Annotated[float, typer.Option("--power", help="Desired power.")] = 0.8,
+    rule: Annotated[
+        str | None,
+        typer.Option("--sequential", metavar="RULE", help="alpha or bayes: look several times.", show_default=False),
+    ] = None,
+    looks: Annotated[str, typer.Option(help="Participants at each look, separated by commas.")] = "15,30,45",
+    seed: RandomSeed = 0,
+    print_json: Json = False,
+) -> None:
+    """Plan a whole study by simulation.
+
+    Finds the participants for a goal, with participants and videos that vary, or the looks of a sequential study with
+    their error rates.
+
+    Examples: emovid study plan --rate 0.5 --exemplars 2 · emovid study plan --sequential bayes --looks 20,40,60
+    """
+    design = planned_design(
+        goal, rate, k, emotions, exemplars, participant_sd, video_sd, difference / 100, margin / 100, share, alpha
+    )
+    found = plan_looks(rule, looks, design, seed) if rule else plan_design(design, desired, seed)
+    typer.echo(json.dumps(as_json(found), indent=2) if print_json else plan_text(found))
 
 
 def simulate(

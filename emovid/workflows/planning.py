@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import nan
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from emovid.errors import InputError, nearest
 from emovid.responses.responses import EMOTIONS
 from emovid.responses.results_files import read_matrix
 from emovid.statistics.confusions import percent
+from emovid.statistics.designs import GOALS, RULES, Design, Planned, Sequential, participants_for, sequential
 from emovid.statistics.planning import Plan, plan
 from emovid.statistics.simulated_participants import Responders, rehearse, responders
 
@@ -26,6 +28,64 @@ def plan_study(rate: float, k: int, videos: int, alpha: float, power: float) -> 
         return plan(rate, k, videos, alpha, power)
     except ValueError as error:
         raise InputError(str(error)) from None
+
+
+def plan_design(design: Design, power: float, seed: int) -> Planned:
+    """Return how many participants a whole study needs (`participants_for`). Raises InputError for invalid numbers."""
+    try:
+        return participants_for(design, power, seed)
+    except ValueError as error:
+        raise InputError(str(error)) from None
+
+
+def planned_design(goal: str, *numbers: Any) -> Design:
+    """Return a design from its goal and its other fields in their order. Raises InputError for an unknown goal."""
+    for known in GOALS:
+        if goal == known:
+            return Design(known, *numbers)
+    raise InputError(f"--goal {goal}: expected {', '.join(GOALS)}{nearest(goal, GOALS)}")
+
+
+def plan_looks(rule: str, looks: str, design: Design, seed: int) -> Sequential:
+    """Return a sequential test of one emotion (`sequential`); alpha is shared by the emotions of the design.
+
+    Raises:
+        InputError: for an unknown rule, and for invalid numbers.
+    """
+    known = next((known for known in RULES if known == rule), None)
+    if known is None:
+        raise InputError(f"--sequential {rule}: expected {' or '.join(RULES)}{nearest(rule, RULES)}")
+    try:
+        numbers = [int(look) for look in looks.split(",")]
+    except ValueError:
+        raise InputError(f"--looks {looks}: expected whole numbers, separated by commas") from None
+    try:
+        return sequential(known, numbers, design.rate, design.k, design.alpha / design.emotions, seed=seed)
+    except ValueError as error:
+        raise InputError(f"--looks: {error}") from None
+
+
+def plan_text(found: Planned | Sequential) -> str:
+    """Return a plan in a few lines."""
+    if isinstance(found, Planned):
+        if found.participants is None:
+            return "more participants than can be planned"
+        power = f"power {found.power:.3f}, standard error {found.error:.3f}, {found.studies:,} simulated studies"
+        return f"{found.participants} participants: {power}"
+    lines = [
+        f"look after {n}: above chance from {above} hits" + (f", at chance up to {low}" if low >= 0 else "")
+        if above <= n
+        else f"look after {n}: no stop for above chance" + (f", at chance up to {low}" if low >= 0 else "")
+        for n, above, low in zip(found.looks, found.above, found.chance_stop, strict=True)
+    ]
+    return "\n".join(
+        (
+            *lines,
+            f"false alarms {found.false_alarms:.4f} (simulated {found.simulated_false_alarms:.4f})",
+            f"power {found.power:.3f} (simulated {found.simulated_power:.3f})",
+            f"participants on average: {found.expected[0]:.1f} by chance, {found.expected[1]:.1f} at the planned rate",
+        )
+    )
 
 
 @dataclass(frozen=True)

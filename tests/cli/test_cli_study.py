@@ -3,6 +3,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from jsonschema import validate
 
 from emovid.cli.main import main
 
@@ -260,6 +261,39 @@ def test_a_study_is_planned(capsys) -> None:
     assert {line[32:] for line in capsys.readouterr().out.splitlines()} == {"more than can be planned"}
 
 
+def test_a_whole_study_is_planned(capsys) -> None:
+    assert main(["study", "plan", "--rate", "0.6", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert 0.78 < found["power"] < 0.9
+    assert main(["study", "plan", "--rate", "0.6"]) == 0
+    assert capsys.readouterr().out.startswith(f"{found['participants']} participants: power 0.")
+    assert main(["study", "plan", "--sequential", "bayes", "--looks", "20,40"]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("look after 20: above chance from ")
+    assert "\nfalse alarms 0.0" in said
+
+
+def test_the_schema_of_results_is_kept(reference, capsys) -> None:
+    assert main(["study", "schema", "--results"]) == 0
+    schema = json.loads(capsys.readouterr().out)
+    results = json.loads((reference / "results.json").read_text())
+    validate(results, schema)
+    assert results["schema_version"] == schema["properties"]["schema_version"]["const"] == 2
+    assert set(schema["properties"]) == set(results)
+    assert main(["study", "schema"]) == 0
+    assert json.loads(capsys.readouterr().out)["title"] == "Study"
+
+
+def test_equivalence_needs_a_margin(tmp_path, capsys) -> None:
+    for margin, said in ((None, "equivalence not shown below"), ("15", "equivalence not shown within ±15.0 points")):
+        options = ["--margin", margin] if margin else []
+        source = str(REFERENCE / "responses.csv")
+        assert main(["study", "analyze", source, "--by", "gender", "-o", "r", "--quiet", *options]) == 0
+        assert said in (tmp_path / "r/report.html").read_text()
+    assert main(["study", "compare", "r", "r", "--margin", "50"]) == 0
+    assert "equivalent within ±50.0 points" in capsys.readouterr().out
+
+
 def test_an_export_s_columns_are_shown(capsys) -> None:
     assert main(["study", "columns", str(REFERENCE / "responses.csv")]) == 0
     said = capsys.readouterr().out
@@ -303,6 +337,10 @@ def test_an_export_s_columns_are_shown(capsys) -> None:
         ),
         (["simulate", "-o", "."], "-o .: is a folder; expected a file"),
         (["analyze", str(REFERENCE / "responses.csv"), "--by", "gendr"], None),
+        (["plan", "--goal", "h2"], "--goal h2: expected h1, difference, equivalence"),
+        (["plan", "--sequential", "beyes"], "--sequential beyes: expected alpha or bayes (did you mean bayes?)"),
+        (["plan", "--sequential", "bayes", "--looks", "x"], "--looks x: expected whole numbers, separated by commas"),
+        (["plan", "--rate", "0.1"], "a hit rate of 0.1 is not between the chance of 0.1667 and 1"),
         (["analyze", "nowhere.csv"], None),
         (["columns", "nowhere.csv"], None),
     ],

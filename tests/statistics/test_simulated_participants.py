@@ -37,6 +37,13 @@ def test_who_eliminates_never_gives_a_label_twice() -> None:
     assert (answers.groupby("participant")["response"].nunique() == 6).all()
 
 
+@pytest.mark.parametrize("rate", [0.2, 0.4, 0.8])
+def test_who_eliminates_is_as_accurate_as_told(rate: float) -> None:
+    # Without raised probabilities, labels that are gone would make 0.37 of 0.4.
+    answers = table(responders(np.full(6, rate), 6, elimination=1.0), participants=4000)
+    assert (answers["video"] == answers["response"]).mean() == pytest.approx(rate, abs=0.012)
+
+
 def test_elimination_goes_on_when_no_likely_label_is_left() -> None:
     answers = table(responders(np.ones(6), 6, bias=np.array([1, 0, 0, 0, 0, 0.0]), elimination=1.0), participants=50)
     assert (answers["video"] == answers["response"]).all()
