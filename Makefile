@@ -69,7 +69,7 @@ sensitivity: .venv/installed
 	$(BIN)/python docs/make_sensitivity.py docs
 
 validate-statistics: .venv/installed
-	$(BIN)/python docs/make_validation.py docs
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python docs/make_validation.py docs
 
 setup: .venv/dev-installed
 
