@@ -9,8 +9,8 @@ from hypothesis import settings
 # As the command line does, and before numpy is imported: with several test processes, threads of OpenBLAS wait for each
 # other far longer than they calculate.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-from emovid.scene.load import Setting, load_scene  # noqa: E402
-from emovid.scene.model import Scene  # noqa: E402
+from emovid.scene.load import Setting, load_scene
+from emovid.scene.model import Scene
 
 # How long an example takes says more of the machine than of the code.
 settings.register_profile("emovid", deadline=None)
