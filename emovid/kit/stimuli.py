@@ -120,22 +120,30 @@ def _varied(code: str, item: Exemplar, vary: Vary, seed: int) -> Stimulus:
     if scene is None:
         return Stimulus(code, item)
     first = flip(seed, "mirror", item.entry, *sorted(item.factors.items()))
+    mirror = vary.mirror and can_mirror(scene) and (item.number % 2 == 1) != first
+    half_turn = vary.half_turn and can_half_turn(scene) and flip(seed, "half turn", code)
+    turns = vary.turn and isinstance(scene.behaviour, ContourKeys)
     return Stimulus(
         code,
         item,
         seed=_run_seed(scene, code, seed) if vary.seed and isinstance(scene.start, AtRandom) else None,
-        mirror=vary.mirror and can_mirror(scene) and (item.number % 2 == 1) != first,
-        half_turn=vary.half_turn and can_half_turn(scene) and flip(seed, "half turn", code),
-        turn=_turn(scene, code, seed) if vary.turn and isinstance(scene.behaviour, ContourKeys) else 0.0,
+        mirror=mirror,
+        half_turn=half_turn,
+        turn=_turn(scene, code, seed, mirror + half_turn) if turns else 0.0,
     )
 
 
-def _turn(scene: Scene, code: str, seed: int) -> float:
-    """Return a rotation [rad] that puts each robot well between two robots of the public run; 0 if not possible."""
+def _turn(scene: Scene, code: str, seed: int, half_turns: int) -> float:
+    """Return a rotation [rad] that puts each robot well between two robots of the public run; 0 if not possible.
+
+    A mirror image and a half turn each move the start of a contour by half a turn, which is half a place for an odd
+    number of robots: without `half_turns`, the number of these, such a stimulus could look like the public run.
+    """
     if not _turns(scene):
         return 0.0
     places = draw(seed, "place", code) % scene.robots
-    return 2 * pi * (places + 0.25 + share(seed, "turn", code) / 2) / scene.robots
+    between = 0.25 + share(seed, "turn", code) / 2 + half_turns * scene.robots / 2
+    return 2 * pi * ((places + between) % scene.robots) / scene.robots
 
 
 @cache  # exemplars of a scene share the result

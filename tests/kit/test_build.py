@@ -7,6 +7,7 @@ import re
 import stat
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from emovid.errors import EmovidError, InputError, SourceError
@@ -19,6 +20,7 @@ from emovid.responses.key import read_key
 from emovid.responses.labels import Labels
 from emovid.responses.mapping import read_mapping
 from emovid.scene.load import load_scene
+from emovid.swarm.simulate import simulate
 from emovid.video.ffmpeg import count_frames
 from tests.helpers.tiny import LABELS, SEED, STUDY, Silent, make_kit, write_study
 
@@ -162,6 +164,21 @@ def test_no_run_is_that_of_the_public_scene_nor_that_of_another_kit(tmp_path) ->
             runs.setdefault(item.exemplar.emotion, []).append(run_of(item, seed).poses[:, :, :2])
     for first, second in runs.values():
         assert abs(first - second).max() > 0.01
+
+
+@pytest.mark.parametrize("robots", [5, 6])
+def test_no_robot_of_a_ring_starts_where_one_of_the_public_run_does(tmp_path, robots) -> None:
+    # All robots look alike: a run turned by a whole place would be the public picture. For an odd number of robots, a
+    # mirror image and a half turn move the ring by half a place.
+    text = STUDY.replace("set: {robots: 6}", f"exemplars: 4\nset: {{robots: {robots}}}")
+    loaded = load_study(write_study(tmp_path, text))
+    rings = [item for seed in range(8) for item in blinded(loaded, seed) if item.exemplar.emotion == "sadness"]
+    assert {(item.mirror, item.half_turn) for item in rings} == {(a, b) for a in (False, True) for b in (False, True)}
+    public = simulate(rings[0].exemplar.scene).poses[0, :, :2]
+    apart = np.linalg.norm(public[1] - public[0])
+    for item in rings:
+        start = run_of(item, SEED).poses[0, :, :2]
+        assert np.linalg.norm(start[:, None] - public, axis=-1).min() > 0.2 * apart
 
 
 def test_a_ring_whose_robots_start_at_random_is_not_turned_and_no_turn_is_listed(tmp_path) -> None:
