@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from math import pi
+from math import atan2, pi
 from pathlib import Path
 from typing import Any
 
@@ -122,33 +122,41 @@ def _varied(code: str, item: Exemplar, vary: Vary, seed: int) -> Stimulus:
     first = flip(seed, "mirror", item.entry, *sorted(item.factors.items()))
     mirror = vary.mirror and can_mirror(scene) and (item.number % 2 == 1) != first
     half_turn = vary.half_turn and can_half_turn(scene) and flip(seed, "half turn", code)
-    turns = vary.turn and isinstance(scene.behaviour, ContourKeys)
     return Stimulus(
         code,
         item,
         seed=_run_seed(scene, code, seed) if vary.seed and isinstance(scene.start, AtRandom) else None,
         mirror=mirror,
         half_turn=half_turn,
-        turn=_turn(scene, code, seed, mirror + half_turn) if turns else 0.0,
+        turn=_turn(scene, code, seed, mirror=mirror, half_turn=half_turn) if vary.turn else 0.0,
     )
 
 
-def _turn(scene: Scene, code: str, seed: int, half_turns: int) -> float:
+def _turn(scene: Scene, code: str, seed: int, *, mirror: bool, half_turn: bool) -> float:
     """Return a rotation [rad] that puts each robot well between two robots of the public run; 0 if not possible.
 
-    A mirror image and a half turn each move the start of a contour by half a turn, which is half a place for an odd
-    number of robots: without `half_turns`, the number of these, such a stimulus could look like the public run.
+    All robots look alike: what counts is where they are after the rotation, the half turn and the mirror image.
     """
-    if not _turns(scene):
+    first = _first_angle(scene)
+    if first is None:
         return 0.0
     places = draw(seed, "place", code) % scene.robots
-    between = 0.25 + share(seed, "turn", code) / 2 + half_turns * scene.robots / 2
-    return 2 * pi * ((places + between) % scene.robots) / scene.robots
+    wanted = (
+        2 * pi * (places + 0.25 + share(seed, "turn", code) / 2) / scene.robots
+    )  # of each robot's angle, in the end
+    if mirror:  # an angle a becomes pi - a
+        wanted = pi - 2 * first - wanted
+    return (wanted - pi * half_turn) % (2 * pi)
 
 
 @cache  # exemplars of a scene share the result
-def _turns(scene: Scene) -> bool:
-    return can_turn(simulate(scene))  # a run that can be rotated has no random start
+def _first_angle(scene: Scene) -> float | None:
+    """Return the angle of robot 0 about the contour's center at the start [rad]; None for a run that cannot rotate."""
+    run = simulate(scene)  # a run that can be rotated has no random start
+    if not can_turn(run) or not isinstance(scene.behaviour, ContourKeys):
+        return None
+    x, y = (run.poses[0, 0, :2] - [scene.behaviour.centre.x, scene.behaviour.centre.y]).tolist()
+    return atan2(y, x)
 
 
 def _run_seed(scene: Scene, code: str, seed: int, attempt: int = 0) -> int:
