@@ -78,6 +78,7 @@ GROUPS = {
                 "Print the JSON Schema of a study, a map or results.",
                 "Analyze",
             ),
+            Entry("model", "study_model:model", "Compare groups in a mixed logistic model.", "Analyze"),
             Entry("compare", "analysis:compare", "Compare a replication with the original study.", "Analyze"),
         ),
     ),

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.special import expit, log_expit, ndtr, ndtri
 
+from emovid.responses.responses import Responses
+
 Vector = NDArray[np.float64]
 
 _STEP = 1e-4  # of numerical derivatives
@@ -61,6 +63,19 @@ class MixedModel:
     participants: int
     videos: int
     converged: bool
+
+
+def model_of(responses: Responses, by: Sequence[str]) -> MixedModel:
+    """Return the model of a study; participants who say nothing of a column of `by` are left out.
+
+    Raises:
+        ValueError: as `mixed_model`.
+    """
+    answers = responses.answers.merge(responses.participants[list(by)], left_on="participant", right_index=True)
+    answers = answers[(answers[list(by)] != "").all(axis=1)]
+    hits = (answers["signalled"] == answers["perceived"]).to_numpy()
+    groups = {column: answers[column].tolist() for column in by}
+    return mixed_model(hits, answers["participant"].tolist(), answers["video"].tolist(), groups)
 
 
 def mixed_model(

@@ -273,6 +273,22 @@ def test_a_whole_study_is_planned(capsys) -> None:
     assert "\nfalse alarms 0.0" in said
 
 
+def test_groups_are_compared_in_a_mixed_model(tmp_path, capsys) -> None:
+    assert main(["study", "model", str(REFERENCE / "responses.csv"), "--by", "gender"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1] == "gender: male: −0.47 (SE 0.30), p = .117, odds ratio 0.62 [0.35, 1.12]"
+    assert lines[2:] == [
+        "standard deviations in log odds: participants 0.32, videos 0.30",
+        "270 answers of 45 participants to 6 videos",
+    ]
+    assert main(["study", "model", str(REFERENCE / "responses.csv"), "--by", "gender", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["converged"]
+    rows = "".join(f"p{i},fear,{('fear', 'anger')[i % 2]},f\n" for i in range(6))
+    (tmp_path / "x.csv").write_text(f"participant,video,response,gender\n{rows}")
+    assert main(["study", "model", "x.csv", "--by", "gender"]) == 2
+    assert capsys.readouterr().err == "gender: one level, f; a model compares two or more\n"
+
+
 def test_the_schema_of_results_is_kept(reference, capsys) -> None:
     assert main(["study", "schema", "--results"]) == 0
     schema = json.loads(capsys.readouterr().out)
