@@ -181,7 +181,7 @@ def _group(
     levels: Mapping[str, AnswerResults] = results.groups[name]
     title = name.replace("_", " ")
     methods = dict.fromkeys(_METHODS[test.method] for test in found.videos.values() if not isnan(test.p))
-    orders = [f"{pair.levels[0]} less {pair.levels[1]}" for pair in next(iter(found.videos.values())).pairs]
+    orders = [f"{pair.levels[0]} minus {pair.levels[1]}" for pair in next(iter(found.videos.values())).pairs]
     return GroupTable(
         title=title,
         figure=next(

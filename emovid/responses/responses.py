@@ -109,29 +109,6 @@ class Responses:
         more = {note: f" and {len(names) - 1} more" if len(names) > 1 else "" for note, names in files.items()}
         return [f"{names[0]}{more[note]}: {note}" for note, names in files.items() if note]
 
-    def choices(self) -> NDArray[np.int64]:
-        """Return the answers (participants, signalled) as indices into `labels`, -1 where one is missing.
-
-        Rows are in the order of `participants`. Of several videos of one emotion, a participant's first counts.
-        """
-        first = self._first_answers()
-        return self._by_emotion(first, pd.Index(self.labels).get_indexer(first["perceived"]))
-
-    def positions(self) -> NDArray[np.int64]:
-        """Return the positions (participants, signalled) at which `choices` were made, from 1; -1 where unknown."""
-        first = self._first_answers()
-        return self._by_emotion(first, first["position"].fillna(-1).to_numpy(dtype=np.int64))
-
-    def _first_answers(self) -> pd.DataFrame:
-        return self.answers.drop_duplicates(["participant", "signalled"])
-
-    def _by_emotion(self, answers: pd.DataFrame, values: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return one value for each answer as a table (participants, signalled), -1 elsewhere."""
-        table = np.full((len(self.participants), len(self.signalled)), -1, dtype=np.int64)
-        rows = self.participants.index.get_indexer(answers["participant"])
-        table[rows, pd.Index(self.signalled).get_indexer(answers["signalled"])] = values
-        return table
-
     def counts(self) -> NDArray[np.int64]:
         """Return the confusion matrix (labels, signalled): rows perceived, columns signalled, as in Table III."""
         perceived = pd.Index(self.labels).get_indexer(self.answers["perceived"])
