@@ -12,12 +12,14 @@ if TYPE_CHECKING:
     from emovid.statistics.analyze import analyze
     from emovid.swarm.dataframe import to_dataframe
     from emovid.swarm.simulate import simulate
+    from emovid.swarm.trajectory import Trajectory
     from emovid.version import __version__
     from emovid.video.render import render_video, show
 
 __all__ = [
     "EmovidError",
     "InputError",
+    "Trajectory",
     "__version__",
     "analyze",
     "describe",
@@ -37,6 +39,7 @@ _HOMES = {
     "__version__": "emovid.version",
     "analyze": "emovid.statistics.analyze",
     "describe": "emovid.measure.describe",
+    "Trajectory": "emovid.swarm.trajectory",
     "load_scene": "emovid.scene.load",
     "read_responses": "emovid.responses.read",
     "render_video": "emovid.video.render",

@@ -13,7 +13,7 @@ from matplotlib.patches import FancyArrowPatch, Polygon, Rectangle
 from emovid.figures.schematic import THIN, draw_arrow, scale_of, write_math
 from emovid.figures.stage_panels import LINE, columns_of, stage_panels, write_below
 from emovid.figures.style import DOUBLE_COLUMN, FAINT, INK, POINTS, QUIET, TEXT, heading, in_style
-from emovid.scene.behaviour import CircularSinusoid, Contour, Coverage, ExpandingCircle
+from emovid.scene.behaviour import CircularSinusoid, Contour, ContourKeys, Coverage, ExpandingCircle
 from emovid.scene.model import Scene
 from emovid.swarm.arrays import Array
 from emovid.swarm.densities import density_of
@@ -71,8 +71,8 @@ def contour_of(scene: Scene) -> Contour:
     Raises:
         ValueError: for a scene without one.
     """
-    if isinstance(scene.behaviour, Coverage):
-        raise ValueError("a coverage behaviour has no contour")
+    if not isinstance(scene.behaviour, ContourKeys):
+        raise ValueError(f"a {scene.behaviour.law} behaviour has no contour")
     return scene.behaviour
 
 

@@ -22,7 +22,7 @@ from emovid.figures.stage_panels import (
     write_below,
 )
 from emovid.figures.style import DOUBLE_COLUMN, EMOTION_COLOURS, FAINT, SINGLE_COLUMN, heading, in_style, settle
-from emovid.scene.behaviour import Coverage
+from emovid.scene.behaviour import ContourKeys
 from emovid.scene.video import Colours
 from emovid.swarm.trajectory import Trajectory
 
@@ -81,7 +81,7 @@ def frames_figure(trajectory: Trajectory, times: Sequence[float], *, width: floa
     else:
         figure, panels = stage_panels(scene.stage, len(times), columns, width, print_colours(scene), below=LINE)
     for i, (axes, t) in enumerate(zip(panels, times, strict=True)):
-        if t == 0 and camera is None and not isinstance(scene.behaviour, Coverage):
+        if t == 0 and camera is None and isinstance(scene.behaviour, ContourKeys):
             draw_contour(axes, scene.behaviour, t, FAINT)
         draw_trails(axes, trajectory, t, camera)
         draw_swarm(axes, trajectory, t, camera)

@@ -10,6 +10,7 @@ that only windows of one length compare. Held commands make speed jump, so jerk 
 
 import numpy as np
 
+from emovid.measure.trace import path, visible_steps
 from emovid.measure.window import Descriptor, Window
 from emovid.swarm.arrays import Array
 
@@ -55,19 +56,26 @@ SMOOTHNESS = (
 
 def speed(window: Window) -> dict[str, float]:
     """Return the descriptors of speed."""
+    if window.is_recorded:  # noise would lengthen the path: dividers walk along it, and peaks are unknown
+        walks = [visible_steps(path(window, i), window.step) for i in range(window.trajectory.poses.shape[1])]
+        distance = window.step * sum(len(walk) - 1 for walk in walks) / len(walks)
+        return _speeds(window, (distance / window.length, float("nan"), float("nan")), distance)
     seconds = window.seconds
     held = seconds > 0
     v, seconds = np.abs(window.trajectory.commands[held, :, 0]), seconds[held]
     weights = np.broadcast_to((seconds / seconds.sum())[:, None], v.shape) / v.shape[1]
     values = (float(np.sum(v * weights)), quantile(v.ravel(), weights.ravel(), 0.95), float(v.max()))
-    distance = seconds @ v
+    return _speeds(window, values, float((seconds @ v).mean()))
+
+
+def _speeds(window: Window, values: tuple[float, float, float], distance: float) -> dict[str, float]:
     return {
         **{f"speed_{kind}": value for kind, value in zip(_SPEEDS, values, strict=True)},
         **{
             f"speed_{kind}_diagonals": value / window.stage.diagonal
             for kind, value in zip(_SPEEDS, values, strict=True)
         },
-        "distance_travelled": float(distance.mean()),
+        "distance_travelled": distance,
     }
 
 
@@ -81,6 +89,8 @@ def quantile(values: Array, weights: Array, share: float) -> float:
 
 def smoothness(window: Window) -> dict[str, float]:
     """Return the descriptors of smoothness; NaN if no robot moves."""
+    if window.is_recorded and np.diff(window.trajectory.t).max() > 1.01 / _RATE:  # sampled too rarely
+        return {descriptor.name: float("nan") for descriptor in SMOOTHNESS}
     times = window.start + np.arange(int(window.length * _RATE + 1e-9) + 1) / _RATE
     along = np.diff(window.points(np.minimum(times, window.end)), axis=0)
     profiles = (np.hypot(along[..., 0], along[..., 1]) * _RATE).T

@@ -12,6 +12,7 @@ import numpy as np
 from scipy.spatial.distance import pdist
 
 from emovid.errors import InputError
+from emovid.scene.behaviour import Recorded
 from emovid.swarm.arrays import Array, Mask
 from emovid.swarm.laws import corners_of
 from emovid.swarm.trajectory import Trajectory
@@ -81,6 +82,11 @@ class Window:
     def still(self) -> float:
         """Speed [m/s] below which a robot stands still: one visible step a minute."""
         return self.step / _STILL
+
+    @property
+    def is_recorded(self) -> bool:
+        """Whether the motion was recorded elsewhere, so that there are no commands and no density."""
+        return isinstance(self.trajectory.scene.behaviour, Recorded)
 
     @cached_property
     def stage(self) -> "StageGeometry":

@@ -16,7 +16,7 @@ from emovid.platforms.robotarium import (
     WHEEL_SPEED,
     Arena,
 )
-from emovid.scene.behaviour import Coverage
+from emovid.scene.behaviour import ContourKeys
 from emovid.scene.model import Scene
 from emovid.swarm.arrays import Array, Mask
 from emovid.swarm.clearance import farthest_advance, room_on_stage
@@ -141,7 +141,7 @@ def contour_spacing(scene: Scene) -> float | None:
     The points of the fold of an expanding circle are never nearer than on its smallest circle.
     """
     law = scene.behaviour
-    if isinstance(law, Coverage) or scene.robots < 2:
+    if not isinstance(law, ContourKeys) or scene.robots < 2:
         return None
     theta_0 = start_angles(scene.robots)
     nearest = []

@@ -19,6 +19,7 @@ from emovid.scene.behaviour import (
     Boundary,
     CircularSinusoid,
     Contour,
+    ContourKeys,
     Coverage,
     ExpandingCircle,
     Gaussian,
@@ -160,7 +161,7 @@ def robotarium_script(scene: Scene, name: str, arena: Arena, *, trails: bool = F
     if isinstance(law, Coverage):
         constants += _coverage(scene, law)
         parts["phi"] = indent(f"return {density_source(law.density, scene.stage).expression}", "    ")
-    else:
+    elif isinstance(law, ContourKeys):  # recorded motion has no start
         constants += _contour(law)
         parts["radius"] = indent(_radius(law), "    ")
     parts["scene"] = "\n".join(constants)

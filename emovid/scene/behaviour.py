@@ -139,8 +139,14 @@ class Coverage(Keys):
     )
 
 
+class Recorded(Keys):
+    """Motion that was recorded elsewhere: of a testbed, or of a tracker. It cannot be simulated."""
+
+    law: Literal["recorded"] = Field(description="motion recorded elsewhere, which only its file holds")
+
+
 Contour = CircularSinusoid | ExpandingCircle | Circle
 Behaviour = Annotated[
-    Annotated[Contour, Field(discriminator="shape")] | Coverage,
+    Annotated[Contour, Field(discriminator="shape")] | Coverage | Recorded,
     Field(discriminator="law"),
 ]

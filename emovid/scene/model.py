@@ -21,6 +21,7 @@ from emovid.scene.behaviour import (
     ExpandingCircle,
     Gaussian,
     Image,
+    Recorded,
     Sum,
 )
 from emovid.scene.emotions import EMOTIONS, EmotionName
@@ -109,6 +110,8 @@ def _faults(scene: Scene) -> Iterator[tuple[str, str]]:
     yield from _video_faults(scene.video)
     if scene.video.overlays.density and not isinstance(scene.behaviour, Coverage):
         yield "video.overlays.density", f"true: a {scene.behaviour.law} behaviour has no density to show"
+    if scene.video.overlays.targets and isinstance(scene.behaviour, Recorded):
+        yield "video.overlays.targets", "true: recorded motion has no targets to show"
     if scene.video.view == "perspective":
         yield from view_faults(scene.video, scene.stage, scene.robot.body.height)
     yield from _robot_faults(scene)
@@ -214,8 +217,8 @@ def _centre_faults(key: str, centre: Point, stage: Stage) -> Iterator[tuple[str,
 
 def _start_faults(scene: Scene) -> Iterator[tuple[str, str]]:
     start, stage, radius = scene.start, scene.stage, scene.robot.body.radius
-    if isinstance(start, OnContour) and isinstance(scene.behaviour, Coverage):
-        yield "start.place", "contour: a coverage behaviour has none; expected stage, region or poses"
+    if isinstance(start, OnContour) and not isinstance(scene.behaviour, ContourKeys):
+        yield "start.place", f"contour: a {scene.behaviour.law} behaviour has none; expected stage, region or poses"
     if isinstance(start, AtRandom) and start.min_spacing is not None and start.min_spacing < 2 * radius:
         yield "start.min_spacing", f"{start.min_spacing:g}: expected at least the robot's size, {least(2 * radius)}"
     if isinstance(start, InRegion):

@@ -10,10 +10,11 @@ import numpy as np
 
 from emovid.atomic_io import writing
 from emovid.errors import EmovidError, InputError, SourceError, reason
+from emovid.scene.behaviour import Recorded
 from emovid.scene.load import Setting, parse_scene, scene_text
 from emovid.scene.model import Scene
 from emovid.scene.robots import Barrier
-from emovid.swarm.trajectory import Trajectory
+from emovid.swarm.trajectory import RecordedTrajectory, Trajectory
 
 SUFFIXES = (".npz", ".csv")
 _ARRAYS = ("t", "poses", "commands", "stage_cut", "separation_cut")
@@ -70,7 +71,8 @@ def load_trajectory(source: Path, settings: Sequence[Setting] = ()) -> Trajector
     except Exception:  # numpy, zipfile and tokenize do not document their errors for broken files
         raise InputError(f"{source}: not a run: expected an .npz written by emovid simulate") from None
     _check_arrays(scene, loaded, source)
-    return Trajectory(scene, **loaded)
+    kind = RecordedTrajectory if isinstance(scene.behaviour, Recorded) else Trajectory
+    return kind(scene, **loaded)
 
 
 def _write_npz(trajectory: Trajectory, file: IO[bytes]) -> None:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from emovid.scene.behaviour import Coverage
+from emovid.scene.behaviour import ContourKeys, Coverage
 from emovid.scene.model import Scene
 from emovid.scene.robots import Barrier, Robot
 from emovid.swarm.arrays import Array, Mask
@@ -90,6 +90,7 @@ def _law(scene: Scene) -> Law:
     behaviour, stage, robot = scene.behaviour, scene.stage, scene.robot
     if isinstance(behaviour, Coverage):
         return lambda _, poses: coverage_velocity(behaviour, stage, poses[:, :2])
+    assert isinstance(behaviour, ContourKeys)  # recorded motion has no start
     theta_0 = start_angles(scene.robots)
     ahead = robot.l if robot.body.steers and robot.l else 0.0
     return lambda t, poses: followed_points(behaviour, theta_0, t) - look_ahead(poses, ahead)

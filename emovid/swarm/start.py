@@ -4,7 +4,7 @@ from itertools import product
 
 import numpy as np
 
-from emovid.scene.behaviour import Coverage
+from emovid.scene.behaviour import ContourKeys, Coverage, Recorded
 from emovid.scene.model import Scene
 from emovid.scene.robots import Barrier, spacing_of
 from emovid.scene.stage import AtPoses, InRegion, InStage, OnContour, Rectangle
@@ -27,6 +27,8 @@ def start_poses(scene: Scene, rng: np.random.Generator) -> Array:
     Raises:
         SourceError: if bodies would overlap, leave the stage, or find no room at random.
     """
+    if isinstance(scene.behaviour, Recorded):
+        raise scene.fault("behaviour.law", "recorded: motion that was recorded elsewhere cannot be simulated")
     match scene.start:
         case OnContour():
             poses = _on_contour(scene)
@@ -46,7 +48,7 @@ def _on_contour(scene: Scene) -> Array:
     With the centers on the contour instead, v(0) = -K l: every robot would start backwards.
     """
     contour = scene.behaviour
-    assert not isinstance(contour, Coverage)  # a valid scene has a contour to start on
+    assert isinstance(contour, ContourKeys)  # a valid scene has a contour to start on
     theta_0 = start_angles(scene.robots)
     heading = start_headings(contour, theta_0)
     points = followed_points(contour, theta_0, 0.0)

@@ -10,7 +10,7 @@ from matplotlib.path import Path
 from matplotlib.textpath import TextPath
 from matplotlib.transforms import Affine2D
 
-from emovid.scene.behaviour import Coverage
+from emovid.scene.behaviour import ContourKeys, Coverage
 from emovid.scene.model import Scene
 from emovid.scene.stage import Stage
 from emovid.scene.video import MARGIN, Colours
@@ -41,8 +41,9 @@ def targets_of(scene: Scene, points: Array, t: float) -> Array:
     They are the followed points of a contour, or the centroids of the cells; a cell without mass has its robot's
     position.
     """
-    if not isinstance(scene.behaviour, Coverage):
+    if isinstance(scene.behaviour, ContourKeys):
         return followed_points(scene.behaviour, start_angles(scene.robots), t)
+    assert isinstance(scene.behaviour, Coverage)  # a valid scene of recorded motion shows no targets
     density = density_of(scene.behaviour.density, scene.stage)
     return mass_and_centroid(points, corners_of(scene.stage), density)[1]
 
