@@ -1,25 +1,25 @@
-"""`emovid measure`: descriptors of motion, and the paper's claims held against them."""
+"""`emovid measure`: descriptors of motion, and the paper's claims about them."""
 
-import csv
-import io
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
+from dataclasses import asdict
 from math import isfinite, isnan
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import typer
+from rich import box
+from rich.table import Table
 
+from emovid.atomic_io import make_folder, writing
 from emovid.cli import completion
 from emovid.cli.options import Json, Platform, Quiet, Seed, Set, on_platform, settings
-from emovid.errors import InputError, nearest
-from emovid.measure.describe import DESCRIPTORS
-
-if TYPE_CHECKING:
-    from emovid.measure.claims import Verdict
-    from emovid.scene.load import Setting
-    from emovid.scene.model import Scene
-    from emovid.swarm.trajectory import Trajectory
+from emovid.cli.terminal import listing, show_table
+from emovid.errors import InputError
+from emovid.measure.claims import NOT_APPLIED
+from emovid.measure.describe import DESCRIPTORS, FAMILIES
+from emovid.scene.emotions import EMOTIONS
+from emovid.workflows.measuring import Measured, chosen_descriptors, measure_sources, measures_csv
 
 _WIDEST = 16  # characters of a scene's name in a line of the table's head
 
@@ -35,14 +35,17 @@ def measure(
         list[str] | None,
         typer.Argument(
             metavar="[SCENE]...",
-            help="Scenes (.yaml), finished runs (.npz), or emotions.",
+            help="Scenes (.yaml), emotions, finished runs (.npz), recorded motion (.track.yaml, .csv).",
             show_default=False,
             autocompletion=completion.runs,
         ),
     ] = None,
     every: Annotated[bool, typer.Option("--all", "-a", help="All six emotions.")] = False,
     gate: Annotated[
-        bool, typer.Option("--gate", help="Hold the paper's claims against all six; exit with 1 where one fails.")
+        bool, typer.Option("--gate", help="Check the paper's claims about all six; exit with 1 if one fails.")
+    ] = False,
+    same_rate: Annotated[
+        bool, typer.Option("--same-rate", help="Sample the other runs at the times of the recorded motion.")
     ] = False,
     only: Annotated[
         str | None,
@@ -64,104 +67,35 @@ def measure(
     """Measure how scenes move, and check the paper's claims about them.
 
     Examples: emovid measure --all --gate · emovid measure my.yaml fear -o measure.csv
-    · emovid measure fear.npz --only cusps,cost
+    · emovid measure fear.npz --only cusps,cost · emovid measure real.csv anger --same-rate
     """
-    from emovid.cli.terminal import listing
-    from emovid.measure.claim_metrics import claim_metrics
-    from emovid.measure.claims import exceptions, judge
-    from emovid.scene.emotions import EMOTIONS
-
     every = every or (gate and not sources)
     if every == bool(sources):
         raise InputError("expected scenes to measure, or --all")
     if output and (output.suffix.lower() != ".csv" or output.is_dir()):
         raise InputError(f"-o {output}: expected a file ending in .csv")
-    shown = _chosen(only)
-    named = list(EMOTIONS) if every else list(dict.fromkeys(sources or []))
-    chosen = [on_platform(source, platform) for source in named]
-    runs = [_run_of(source, settings(assignments, seed)) for source in chosen]
-    emotions = [run.scene.emotion for run in runs]
-    if gate and sorted(map(str, emotions)) != sorted(EMOTIONS):
-        raise InputError(f"--gate: expected one scene of each emotion; given {', '.join(map(str, emotions))}")
-    measured = {}
+    shown = chosen_descriptors(only)
+    chosen = [on_platform(source, platform) for source in (EMOTIONS if every else dict.fromkeys(sources or []))]
     with listing(len(chosen), quiet=quiet or as_json) as done:
-        for source, run in zip(chosen, runs, strict=True):
-            measured[source] = claim_metrics(run.trajectory())
-            done(source)
-    of_emotion = dict(zip(map(str, emotions), measured.values(), strict=True))
-    motors = all(run.scene.robot.limits for run in runs)
-    verdicts = judge({name: of_emotion[name] for name in EMOTIONS}, motors=motors) if gate else []
-    without_anger = exceptions(motors=motors)
-    scenes = {source: {name: values[name] for name in shown} for source, values in measured.items()}
+        found = measure_sources(chosen, settings(assignments, seed), shown, done, gate=gate, same_rate=same_rate)
     if output:
-        _write_csv(scenes, output)
+        make_folder(output.parent)
+        with writing(output) as file:
+            file.write(measures_csv(found.scenes).encode(errors="backslashreplace"))  # of a name that is no Unicode
     if as_json:
-        _print_json(scenes, verdicts, without_anger)
+        typer.echo(_json(found))
     elif not quiet:
-        _show(scenes)
-        _show_verdicts(verdicts, without_anger)
-    if not all(verdict.holds for verdict in verdicts):
+        _show(found)
+    if not all(verdict.holds for verdict in found.verdicts):
         raise typer.Exit(1)
 
 
-def _chosen(only: str | None) -> list[str]:
-    """Return the descriptors that are meant by names and beginnings of names with commas between, in their order."""
-    if only is None:
-        return list(DESCRIPTORS)
-    words = [word.strip() for word in only.split(",")]
-    for word in words:
-        if not word or not any(name.startswith(word) for name in DESCRIPTORS):
-            expected = f"expected descriptors, or how names begin, as in cusps,cost{nearest(word, DESCRIPTORS)}"
-            raise InputError(f"--only {only}: {expected}")
-    return [name for name in DESCRIPTORS if name in words or name.startswith(tuple(set(words) - DESCRIPTORS.keys()))]
-
-
-class _Run(NamedTuple):
-    scene: "Scene"
-    trajectory: "Callable[[], Trajectory]"
-
-
-def _run_of(source: str, overrides: "Sequence[Setting]") -> _Run:
-    """Return a scene and its run, which is made when it is asked for; all that can be wrong with it is found here."""
-    from emovid.scene.load import load_scene
-    from emovid.swarm.files import is_run, load_trajectory
-    from emovid.swarm.simulate import check_start, simulate
-
-    if is_run(source):
-        trajectory = load_trajectory(Path(source), overrides)
-        return _Run(trajectory.scene, lambda: trajectory)
-    scene = load_scene(source, overrides)
-    check_start(scene)
-    return _Run(scene, lambda: simulate(scene))
-
-
-def _write_csv(scenes: Mapping[str, Mapping[str, float]], target: Path) -> None:
-    """Write one row for each scene and descriptor; a value that does not exist is an empty cell."""
-    from emovid.atomic_io import make_folder, writing
-
-    text = io.StringIO()
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(("scene", "descriptor", "value", "unit"))
-    for scene, values in scenes.items():
-        for name, value in values.items():
-            rows.writerow((scene, name, "" if isnan(value) else value, DESCRIPTORS[name].unit))
-    make_folder(target.parent)
-    with writing(target) as file:
-        file.write(text.getvalue().encode(errors="backslashreplace"))  # as JSON has a name that is no Unicode
-
-
-def _print_json(
-    scenes: Mapping[str, Mapping[str, float]], verdicts: "Sequence[Verdict]", without_anger: Mapping[str, str]
-) -> None:
-    from dataclasses import asdict
-
-    from emovid.measure.claims import NOT_APPLIED
-
-    found: dict[str, Any] = {"scenes": scenes, "claims": list(map(asdict, verdicts))}
-    if verdicts:
-        found["not_applied"] = [{"claim": claim, "source": source} for claim, source in NOT_APPLIED.items()]
-        found["without_anger"] = [{"claim": claim, "source": source} for claim, source in without_anger.items()]
-    typer.echo(json.dumps(_finite(found), indent=2, allow_nan=False))
+def _json(found: Measured) -> str:
+    data: dict[str, Any] = {"scenes": found.scenes, "claims": list(map(asdict, found.verdicts))}
+    if found.verdicts:
+        data["not_applied"] = [{"claim": claim, "source": source} for claim, source in NOT_APPLIED.items()]
+        data["without_anger"] = [{"claim": claim, "source": source} for claim, source in found.without_anger.items()]
+    return json.dumps(_finite(data), indent=2, allow_nan=False)
 
 
 def _finite(value: Any) -> Any:
@@ -173,39 +107,36 @@ def _finite(value: Any) -> Any:
     return value if not isinstance(value, float) or isfinite(value) else None
 
 
-def _show(scenes: Mapping[str, Mapping[str, float]]) -> None:
-    from rich import box
-    from rich.table import Table
-
-    from emovid.cli.terminal import show_table
-    from emovid.measure.describe import FAMILIES
-
+def _show(found: Measured) -> None:
+    """Print the table of descriptors, what recorded motion lacks, and the claims."""
     table = Table("descriptor", "unit", box=box.SIMPLE, padding=(0, 1, 0, 0))
-    for scene in scenes:
+    for scene in found.scenes:
         table.add_column(scene, justify="right", overflow="fold", min_width=9, max_width=_WIDEST)
     for family in FAMILIES.values():
         for name, unit, *_ in family:
-            if all(name in values for values in scenes.values()):
-                table.add_row(name, unit, *(_number(values[name]) for values in scenes.values()))
+            if all(name in values for values in found.scenes.values()):
+                table.add_row(name, unit, *(_number(values[name]) for values in found.scenes.values()))
         table.add_section()
     show_table(table, heads=2)
+    for source in found.recorded:
+        missing = [name for name, value in found.scenes[source].items() if isnan(value)]
+        if missing:
+            typer.echo(f"{source}: positions only, without commands and a density; missing: {', '.join(missing)}")
+    if found.verdicts:
+        _show_verdicts(found)
 
 
 def _number(value: float) -> str:
     return "" if isnan(value) else "0" if abs(value) < 1e-12 else f"{value:.3g}"
 
 
-def _show_verdicts(verdicts: "Sequence[Verdict]", without_anger: Mapping[str, str]) -> None:
-    """Print each claim with its source, the numbers that decide it and the verdict, and a line that sums up."""
-    from emovid.measure.claims import NOT_APPLIED
-
-    if not verdicts:
-        return
-    for verdict in verdicts:
+def _show_verdicts(found: Measured) -> None:
+    """Print each claim with its source, the deciding numbers and the verdict, and a summary."""
+    for verdict in found.verdicts:
         typer.echo(f"{'holds' if verdict.holds else 'FAILS'}  {verdict.claim} ({verdict.source}): {verdict.relation}")
     for claim, source in NOT_APPLIED.items():
         typer.echo(f"not applied by the paper  {claim} ({source})")
-    for claim, source in without_anger.items():
-        typer.echo(f"not held against anger  {claim} ({source})")
-    failed = sum(not verdict.holds for verdict in verdicts)
-    typer.echo(f"{len(verdicts) - failed} of {len(verdicts)} claims hold")
+    for claim, source in found.without_anger.items():
+        typer.echo(f"checked without anger  {claim} ({source})")
+    failed = sum(not verdict.holds for verdict in found.verdicts)
+    typer.echo(f"{len(found.verdicts) - failed} of {len(found.verdicts)} claims hold")

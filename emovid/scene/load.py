@@ -177,11 +177,9 @@ def scene_of(keys: dict[str, Any], known: Places, settings: Iterable[Setting] = 
     Raises:
         SourceError: as in `load_scene`.
     """
-    data, places = deepcopy(keys), dict(known)
-    replaced: set[str] = set()
-    for setting in settings:
-        _apply(setting, data, places)
-        replaced.add(setting.key.partition(".")[0])
+    settings = list(settings)
+    data, places = apply_settings(keys, known, settings)
+    replaced = {setting.key.partition(".")[0] for setting in settings}
     if "duration" in replaced and "snapshots" not in replaced:
         _cut_snapshots(data, keys.get("duration"))
     read_pictures(data, folder, places)
@@ -209,6 +207,16 @@ def _keys(text: str, where: str) -> tuple[dict[str, Any], Places]:
     data, places = yaml_source.read_yaml(text, where)
     if not isinstance(data, dict):
         raise SourceError(where, "not a scene: expected keys such as emotion, behaviour, robot")
+    return data, places
+
+
+def apply_settings(
+    keys: dict[str, Any], known: Places, settings: Iterable[Setting]
+) -> tuple[dict[str, Any], dict[KeyPath, str]]:
+    """Return copies of plain values and their places with keys replaced."""
+    data, places = deepcopy(keys), dict(known)
+    for setting in settings:
+        _apply(setting, data, places)
     return data, places
 
 

@@ -14,6 +14,7 @@ from emovid.scene.behaviour import Recorded
 from emovid.scene.load import Setting, parse_scene, scene_text
 from emovid.scene.model import Scene
 from emovid.scene.robots import Barrier
+from emovid.swarm.tracks import is_track, load_track
 from emovid.swarm.trajectory import RecordedTrajectory, Trajectory
 
 SUFFIXES = (".npz", ".csv")
@@ -24,8 +25,8 @@ _ZIP_TIME = (1980, 1, 1, 0, 0, 0)
 
 
 def is_run(source: str | Path) -> bool:
-    """Return whether a source names a finished run, by its suffix."""
-    return Path(source).suffix.lower() == ".npz"
+    """Return whether a source names a finished run or a track, by its suffix."""
+    return Path(source).suffix.lower() == ".npz" or is_track(source)
 
 
 def save_trajectory(trajectory: Trajectory, target: Path) -> None:
@@ -47,7 +48,7 @@ def write_trajectory(trajectory: Trajectory, suffix: str, file: IO[bytes]) -> No
 
 
 def load_trajectory(source: Path, settings: Sequence[Setting] = ()) -> Trajectory:
-    """Return the trajectory of an .npz that `save_trajectory` wrote.
+    """Return the trajectory of an .npz that `save_trajectory` wrote, or of a .track.yaml.
 
     Args:
         source: the file.
@@ -59,6 +60,8 @@ def load_trajectory(source: Path, settings: Sequence[Setting] = ()) -> Trajector
     for setting in settings:
         if not setting.key.startswith("video."):
             raise SourceError(setting.origin, f"{source} is a finished run; only video.* can be set", key=setting.key)
+    if is_track(source):
+        return load_track(source, tuple(settings))
     try:
         with source.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             scene = parse_scene(str(arrays["scene"]), f"{source}:scene", settings)
