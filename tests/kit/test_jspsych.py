@@ -186,6 +186,54 @@ def test_the_page_works_when_it_is_opened_as_a_file(exported, address, page) -> 
     assert page.get_by_label("Fear").is_checked()
 
 
+def test_practice_checks_and_questions_after_the_videos(jspsych_files, page, tmp_path) -> None:
+    parts = """practice: {scene: fear}
+checks: [{name: shape, scene: sadness, question: Which shape, choices: [Circle, Star], answer: Star, after: 1}]
+questions_after:
+  - {name: hobbies, question: Which hobbies, choices: [Chess, Go], several: true}
+  - {name: years, question: How many years, number: {low: 0, high: 99}}
+recruitment: {parameters: [panel]}
+thanks: {text: Thank you., link: "https://example.org/?back={panel}"}
+"""
+    text = STUDY.replace("thanks: {text: Thank you.}\n", "").replace("duration: 1}", "duration: 0.4}")
+    text = "".join(line for line in text.splitlines(keepends=True) if line.strip().removeprefix("- scene: ") not in
+                   ("happiness", "surprise", "disgust", "sadness"))  # fmt: skip
+    make_kit(tmp_path, text + parts)
+    kit = open_kit(tmp_path / "kit")
+    export(kit, "jspsych")
+    folder = kit.folder.exports / "jspsych"
+    shutil.copytree(jspsych_files, folder / "jspsych")
+    with served(folder) as place:
+        page.goto(f"{place}?participant=P001&panel=x1")
+        page.get_by_role("button", name="I agree and want to take part").click()
+        page.get_by_label("Another gender").check()
+        for _ in range(2):
+            page.get_by_role("button", name="Continue").click()
+        page.get_by_role("heading", name="Practice video").wait_for()
+        for answer in ("Disgust", "Fear", "Star", "Anger"):
+            page.get_by_role("button", name="Play the video").click()
+            page.get_by_role("button", name="Watch again").wait_for()
+            page.get_by_label(answer, exact=True).check()
+            page.get_by_role("button", name="Submit answer").click()
+        page.get_by_label("Chess").check()
+        page.get_by_label("Go", exact=True).check()
+        page.get_by_label("How many years").fill("7")
+        with page.expect_download() as download:
+            page.get_by_role("button", name="Continue").click()
+        assert page.get_by_role("link").get_attribute("href") == "https://example.org/?back=x1"
+    download.value.save_as(tmp_path / "P001.csv")
+    with (tmp_path / "P001.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    given = [(row["video_code"], row["response"]) for row in rows if row["video_code"]]
+    assert given == list(zip(kit.orders["P001"], ("Fear".lower(), "anger"), strict=True))
+    assert [row["practice_response"] for row in rows if row["practice_response"]] == ["disgust"]
+    assert [(row["check"], row["check_response"]) for row in rows if row["check"]] == [("shape", "Star")]
+    assert {"hobbies_1": "Chess", "hobbies_2": "Go", "years": "7"} in [
+        json.loads(row["response"]) for row in rows if row["response"].startswith("{")
+    ]
+    assert {row["panel"] for row in rows} == {"x1"}
+
+
 def test_who_does_not_agree_sees_no_video_and_leaves_no_data(address, page) -> None:
     downloads = []
     page.on("download", lambda download: downloads.append(download))  # noqa: PLW0108 - playwright cannot wrap append

@@ -6,12 +6,16 @@ from enum import Enum
 
 from emovid.kit.folder import Kit
 from emovid.kit.orders import sets_of
+from emovid.kit.study import Requirements
 
 VIDEOS, ORDERS, SETS = "videos", "orders", "sets of videos"
 CHOICES, RATINGS, QUESTIONS = "choices", "ratings", "questions"
 CONSENT, DECLINED, INSTRUCTIONS = "consent", "declining", "instructions"
 CODE, LINK = "completion code", "return link"
 WATCHING, REVISION, LANGUAGE = "watching to the end", "changing earlier answers", "language"
+PRACTICE, CHECKS, AFTER = "practice video", "attention checks", "questions after the videos"
+DEBRIEFING, REQUIREMENTS = "debriefing", "devices and browsers"
+RECRUITMENT, RETURNS = "recruitment parameters", "codes for declining or failing"
 
 
 class Status(Enum):
@@ -74,6 +78,15 @@ def listed(parts: Iterable[DesignPart]) -> str:
     return "\n".join(lines) or "Nothing: the tool carries the whole design."
 
 
+def _requirements(needed: Requirements) -> str:
+    """Return the requirements that are not the default."""
+    usual = Requirements()
+    found = [", ".join(needed.devices)] if needed.devices != usual.devices else []
+    found += [f"at least {needed.min_width} pixels wide"] if needed.min_width else []
+    found += [", ".join(needed.browsers)] if needed.browsers else []
+    return "; ".join([*found, *(["a text"] if needed.text else [])])
+
+
 def _parts(kit: Kit) -> dict[str, str]:
     manifest = kit.manifest
     sets = len(sets_of(kit.orders.values()))
@@ -84,6 +97,13 @@ def _parts(kit: Kit) -> dict[str, str]:
         CHOICES: f"{len(manifest.choices.labels)}, {manifest.choices.order} order",
         RATINGS: ", ".join(f"{rating.name} (1 to {rating.steps})" for rating in manifest.ratings),
         QUESTIONS: ", ".join(question.name for question in manifest.demographics),
+        AFTER: ", ".join(question.name for question in manifest.questions_after),
+        PRACTICE: manifest.practice.code if manifest.practice else "",
+        CHECKS: ", ".join(f"{check.name} after {check.after} videos" for check in manifest.checks),
+        DEBRIEFING: "one text" if manifest.debriefing else "",
+        REQUIREMENTS: _requirements(manifest.requirements),
+        RECRUITMENT: ", ".join(manifest.recruitment.names) if manifest.recruitment else "",
+        RETURNS: "given" if any(word for back in (kit.server.declined, kit.server.failed) for _, word in back) else "",
         CONSENT: f"version {manifest.consent.version}",
         DECLINED: "a page of its own, without completion code",
         INSTRUCTIONS: "one page",

@@ -3,9 +3,25 @@
 import html
 import json
 
-from emovid.kit.exports.design import ORDERS, REVISION, Limits, changed, design_of, listed, missing
+from emovid.kit.exports.design import (
+    CHECKS,
+    CODE,
+    LINK,
+    ORDERS,
+    RECRUITMENT,
+    REQUIREMENTS,
+    RETURNS,
+    REVISION,
+    Limits,
+    by_hand,
+    changed,
+    design_of,
+    listed,
+    missing,
+)
 from emovid.kit.exports.texts import Files, template
 from emovid.kit.folder import Kit
+from emovid.kit.study import Requirements
 
 # The tested releases: their files, and the names under which the page loads them.
 RELEASE = {
@@ -16,16 +32,25 @@ RELEASE = {
 }
 _SHOWN = (  # of the manifest
     "title", "question", "choices", "ratings", "demographics", "consent", "instructions", "thanks", "texts",
-    "key_commitment",
+    "key_commitment", "requirements", "questions_after", "debriefing",
 )  # fmt: skip
 
 
-def limits(kit: Kit) -> Limits:  # noqa: ARG001 - the same for all kits
+def limits(kit: Kit) -> Limits:
     """Return the parts of the design that jsPsych does not carry as they are."""
-    return {
+    seen = changed("It is in the page: everybody who reads its source sees it, also without taking part.")
+    found = {
+        CODE: seen,
+        LINK: seen,
+        RETURNS: missing("A page without a server cannot keep them secret, nor judge an attention check."),
+        CHECKS: changed("The page does not judge the answers: they are in the column check_response."),
+        RECRUITMENT: changed("The parameters are in the same file as the answers: remove them before you share it."),
         ORDERS: changed("Without ?participant=... in the address, a row of orders.csv is chosen at random."),
         REVISION: missing("jsPsych cannot return to an earlier video."),
     }
+    if kit.manifest.requirements != Requirements(text=kit.manifest.requirements.text):
+        found[REQUIREMENTS] = by_hand("The page does not check them; plugin-browser-check of jsPsych can.")
+    return found
 
 
 def jspsych(kit: Kit) -> Files:
@@ -34,6 +59,20 @@ def jspsych(kit: Kit) -> Files:
     public = manifest.model_dump(mode="json", include=set(_SHOWN))
     shown = {"choice_orders": kit.choices} | {key: public[key] for key in _SHOWN}
     # Codes come last, far from the labels, and first in an order that says nothing.
+    shown |= {
+        "parameters": manifest.recruitment.names if manifest.recruitment else (),
+        "practice": manifest.practice.file if manifest.practice else None,
+        "checks": [
+            {
+                "name": one.name,
+                "question": one.question,
+                "choices": one.choices,
+                "after": one.after,
+                "file": one.video.file,
+            }
+            for one in manifest.checks
+        ],
+    }
     shown |= {"preload": [video.file for video in manifest.videos], "orders": kit.orders}
     text = json.dumps(shown, ensure_ascii=False).replace("<", r"\u003c")  # no text can end the script element
     fields = {"language": manifest.language, "title": html.escape(manifest.title), "kit": text}

@@ -5,8 +5,11 @@ import io
 
 from emovid.errors import InputError
 from emovid.kit.exports.design import (
+    CHECKS,
     CHOICES,
     ORDERS,
+    RECRUITMENT,
+    REQUIREMENTS,
     REVISION,
     SETS,
     WATCHING,
@@ -16,17 +19,27 @@ from emovid.kit.exports.design import (
     design_of,
     listed,
 )
-from emovid.kit.exports.texts import Files, escaped, paragraphs, template, thanks, video_element
+from emovid.kit.exports.texts import (
+    Files,
+    consent,
+    escaped,
+    paragraphs,
+    template,
+    thanks,
+    video_element,
+    way_back,
+)
 from emovid.kit.folder import Kit
-from emovid.kit.manifest import Manifest
+from emovid.kit.manifest import Manifest, PublicCheck
 from emovid.kit.orders import sets_of
-from emovid.kit.study import Question
+from emovid.kit.study import Question, Requirements
 from emovid.responses.labels import NONE
 
 # Columns of the structure file: https://www.limesurvey.org/manual/Tab_Separated_Value_survey_structure
 _COLUMNS = (
     "id", "related_id", "class", "type/scale", "name", "relevance", "text", "help", "language", "validation",
     "mandatory", "encrypted", "other", "default", "same_default", "random_group", "answer_order", "hidden",
+    "min_num_value_n", "max_num_value_n", "num_value_int_only",
     "slider_min", "slider_max", "slider_accuracy", "slider_layout", "slider_separator",
 )  # fmt: skip
 _AGREED = "consent.NAOK == 'Y'"  # in LimeSurvey's ExpressionScript
@@ -45,6 +58,13 @@ def limits(kit: Kit) -> Limits:
         found[ORDERS] = changed("LimeSurvey draws a random order for each participant: balanced only on average.")
     if len(sets_of(kit.orders.values())) > 1:
         found[SETS] = changed(f"The hidden question {_SET} draws a set for each participant: equal only on average.")
+    if len(sets_of(kit.orders.values())) > 1 and kit.manifest.checks:
+        found[CHECKS] = changed("Their places count the groups of all sets, of which a participant sees some.")
+    if kit.manifest.recruitment:
+        note = "Settings, Panel integration: add the parameters. In the return link, write {PASSTHRU:NAME} for {NAME}."
+        found[RECRUITMENT] = by_hand(note)
+    if kit.manifest.requirements != Requirements(text=kit.manifest.requirements.text):
+        found[REQUIREMENTS] = by_hand("LimeSurvey does not check them: ask for them in the text of the first page.")
     if kit.manifest.choices.order == "random":
         found[CHOICES] = changed("LimeSurvey draws an order for each video, and does not record it.")
     return found
@@ -57,13 +77,19 @@ def limesurvey(kit: Kit, video_url: str) -> Files:
         InputError: if two questions would get the same name.
     """
     manifest = kit.manifest
-    rows = [*_settings(manifest), *_first_groups(kit)]
+    rows = [*_settings(kit), *_first_groups(kit), *_practice(manifest, video_url)]
     sets = list(sets_of(kit.orders.values()))
-    for code in manifest.codes:
+    for place, code in enumerate(manifest.codes):
+        rows += [row for check in manifest.checks if check.after == place for row in _check(check, video_url)]
         seen = [str(number) for number, codes in enumerate(sets, start=1) if code in codes]
         shown = _AGREED if len(sets) == 1 else f"{_AGREED} and ({' or '.join(f'{_SET}.NAOK == {n}' for n in seen)})"
         rows.append({"class": "G", "name": code, "relevance": shown, "random_group": "videos"})
         rows += _video(manifest, code, video_url)
+    last = len(manifest.codes)
+    rows += [row for check in manifest.checks if check.after >= last for row in _check(check, video_url)]
+    if manifest.questions_after:
+        rows.append({"class": "G", "name": "Last questions", "relevance": _AGREED})
+        rows += [row for question in manifest.questions_after for row in _question(question)]
     names = [str(row["name"]) for row in rows if row["class"] == "Q"]
     for name in names:
         if names.count(name) > 1:
@@ -81,8 +107,19 @@ def question_name(name: str) -> str:
     return name.replace("_", "U")  # names in studies are lowercase
 
 
-def _settings(manifest: Manifest) -> list[Row]:
-    end = f"{{if({_AGREED}, '{thanks(manifest, _escaped)}', '{paragraphs(manifest.consent.declined, _escaped)}')}}"
+def _settings(kit: Kit) -> list[Row]:
+    manifest, server = kit.manifest, kit.server
+    agreed = f"'{thanks(manifest, _escaped)}'"
+    if server.failed.code or server.failed.link:
+        passed = " and ".join(
+            f"{question_name(check.name)}.NAOK == '{_right(kit, check)}'" for check in manifest.checks
+        )
+        failed = paragraphs(manifest.thanks.text, _escaped)
+        failed += way_back(manifest, server.failed.code, server.failed.link, _escaped)
+        agreed = f"if({passed or 1}, {agreed}, '{failed}')"
+    declined = paragraphs(manifest.consent.declined, _escaped)
+    declined += way_back(manifest, server.declined.code, server.declined.link, _escaped)
+    end = f"{{if({_AGREED}, {agreed}, '{declined}')}}"
     return [
         {"class": "S", "name": "language", "text": manifest.language},
         {"class": "S", "name": "format", "text": "G"},
@@ -99,7 +136,7 @@ def _first_groups(kit: Kit) -> list[Row]:
     agreement = dict(zip("YN", (manifest.consent.agree, manifest.consent.decline), strict=True))
     rows: list[Row] = [
         {"class": "G", "name": "Consent"},
-        *_choice("consent", paragraphs(manifest.consent.text, _escaped), agreement),
+        *_choice("consent", consent(manifest, _escaped), agreement),
     ]
     if manifest.demographics:
         rows.append({"class": "G", "name": "About you", "relevance": _AGREED})
@@ -127,14 +164,47 @@ def _video(manifest: Manifest, code: str, video_url: str) -> list[Row]:
     return rows
 
 
+def _practice(manifest: Manifest, video_url: str) -> list[Row]:
+    if manifest.practice is None:
+        return []
+    note = f"<p>{_escaped(manifest.texts.practice_note)}</p>"
+    text = (
+        f"{note}{video_element(manifest.practice.code, video_url, _escaped)}{paragraphs(manifest.question, _escaped)}"
+    )
+    answers = {code: choice.text for code, choice in zip(_codes(manifest), manifest.choices.labels, strict=True)}
+    return [{"class": "G", "name": "Practice", "relevance": _AGREED}, *_choice("practice", text, answers)]
+
+
+def _check(check: PublicCheck, video_url: str) -> list[Row]:
+    text = f"{video_element(check.video.code, video_url, _escaped)}{paragraphs(check.question, _escaped)}"
+    answers = {f"A{number}": choice for number, choice in enumerate(check.choices, start=1)}
+    return [{"class": "G", "name": "Check", "relevance": _AGREED}, *_choice(check.name, text, answers)]
+
+
+def _right(kit: Kit, check: PublicCheck) -> str:
+    """Return the code of the right answer to an attention check."""
+    return f"A{check.choices.index(kit.server.answers[check.name]) + 1}"
+
+
 def _question(question: Question) -> list[Row]:
+    if question.choices is not None and question.several:
+        text = _named(question.name, _escaped(question.question))
+        row: Row = {"class": "Q", "type/scale": "M", "name": question_name(question.name), "text": text}
+        listed = enumerate(question.choices, start=1)
+        choices: list[Row] = [{"class": "SQ", "name": f"A{number}", "text": _escaped(one)} for number, one in listed]
+        return [row | {"mandatory": "Y" if question.required else "N"}, *choices]
     if question.choices is not None:
         answers = {f"A{number}": choice for number, choice in enumerate(question.choices, start=1)}
         return _choice(question.name, _escaped(question.question), answers, needed=question.required)
     needed = "Y" if question.required else "N"
     text = _named(question.name, _escaped(question.question))
     name = question_name(question.name)
-    return [{"class": "Q", "type/scale": "S", "name": name, "text": text, "mandatory": needed}]
+    kind = "N" if question.number else "T" if question.long else "S"
+    limits: Row = {}
+    if question.number:
+        ends = {"min_num_value_n": question.number.low, "max_num_value_n": question.number.high}
+        limits = {**ends, "num_value_int_only": 1}
+    return [{"class": "Q", "type/scale": kind, "name": name, "text": text, "mandatory": needed} | limits]
 
 
 def _choice(

@@ -2,14 +2,21 @@
 
 from emovid.csv_writer import csv_text
 from emovid.kit.exports.design import (
+    AFTER,
+    CHECKS,
     CODE,
     CONSENT,
+    DEBRIEFING,
     DECLINED,
     INSTRUCTIONS,
     LANGUAGE,
     LINK,
+    PRACTICE,
     QUESTIONS,
     RATINGS,
+    RECRUITMENT,
+    REQUIREMENTS,
+    RETURNS,
     REVISION,
     WATCHING,
     Limits,
@@ -34,6 +41,13 @@ def limits(kit: Kit) -> Limits:
         CODE: by_hand("Show it in a routine at the end."),
         LINK: by_hand("Enter it as completed URL (Experiment settings, Online)."),
         WATCHING: by_hand("Use movie.isFinished as the start condition of the answers."),
+        PRACTICE: by_hand("Add a routine before the loop with the video below."),
+        CHECKS: by_hand("Add routines with the videos and questions below; leave the loop and enter it again."),
+        AFTER: by_hand("Ask them in a routine with a Form after the loop."),
+        DEBRIEFING: page,
+        REQUIREMENTS: by_hand("PsychoPy does not check them."),
+        RECRUITMENT: by_hand("Pavlovia adds the parameters of its address to Experiment info: name them there."),
+        RETURNS: by_hand("Show them in routines of their own, or enter the incomplete URL (Experiment settings)."),
         REVISION: missing("A PsychoPy loop does not return to an earlier trial."),
         LANGUAGE: by_hand(f"All texts that you add are to be in {kit.manifest.language}."),
     }
@@ -68,10 +82,23 @@ def _texts(kit: Kit) -> dict[str, str]:
     }
     questions = {
         item.name: "\n".join([item.question, "", *(f"- {choice}" for choice in item.choices or ("(a line of text)",))])
-        for item in manifest.demographics
+        for item in (*manifest.demographics, *manifest.questions_after)
     }
-    thanks = [last.text.strip(), f"{manifest.texts.code} {last.code}" if last.code else "", last.link or ""]
+    questions |= {
+        check.name: f"videos/{check.video.code}.mp4, after {check.after} videos\n\n{check.question}\n\n"
+        + "\n".join(f"- {choice}" for choice in check.choices)
+        for check in manifest.checks
+    }
+    if manifest.practice:
+        questions["Practice"] = f"videos/{manifest.practice.code}.mp4\n\n{manifest.texts.practice_note}"
+    thanks = [
+        last.text.strip(),
+        manifest.debriefing or "",
+        f"{manifest.texts.code} {last.code}" if last.code else "",
+        last.link or "",
+    ]
     return {
+        "Requirements": manifest.requirements.text or "(none)",
         f"Consent, version {consent.version}": f"{consent.text.strip()}\n\n- {consent.agree}\n- {consent.decline}",
         "After declining": consent.declined,
         **questions,

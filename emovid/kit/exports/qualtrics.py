@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 
 from emovid.kit.exports.design import (
+    CHECKS,
     CHOICES,
     CODE,
     DECLINED,
@@ -10,6 +11,9 @@ from emovid.kit.exports.design import (
     LINK,
     ORDERS,
     QUESTIONS,
+    RECRUITMENT,
+    REQUIREMENTS,
+    RETURNS,
     REVISION,
     SETS,
     WATCHING,
@@ -18,10 +22,11 @@ from emovid.kit.exports.design import (
     design_of,
     listed,
 )
-from emovid.kit.exports.texts import Files, escaped, paragraphs, template, thanks, video_element
+from emovid.kit.exports.texts import Files, consent, escaped, paragraphs, template, thanks, video_element
 from emovid.kit.folder import Kit
+from emovid.kit.manifest import PublicCheck
 from emovid.kit.orders import Order, sets_of
-from emovid.kit.study import Question, Rating
+from emovid.kit.study import Question, Rating, Requirements
 
 _LONGEST_ROW = 11  # choices side by side; longer scales become a menu
 
@@ -51,11 +56,27 @@ def limits(kit: Kit) -> Limits:
             f"Survey flow: add a Randomizer that shows 1, evenly, of {len(sets)} groups, and put the blocks into these "
             f"groups: {groups}."
         )
+    if manifest.checks:
+        places = ", ".join(f"{check.name} after {check.after} videos" for check in manifest.checks)
+        found[CHECKS] = by_hand(f"Survey flow: place the blocks named by the checks between Randomizers: {places}.")
+    if manifest.recruitment:
+        names = ", ".join(manifest.recruitment.names)
+        note = f"Survey flow: add Embedded data {names}. In the return link, write ${{e://Field/NAME}} for {{NAME}}."
+        found[RECRUITMENT] = by_hand(note)
+    if any(word for back in (kit.server.declined, kit.server.failed) for _, word in back):
+        found[RETURNS] = by_hand(f"End the survey with them: {_returns(kit)}.")
+    if manifest.requirements != Requirements(text=manifest.requirements.text):
+        found[REQUIREMENTS] = by_hand("Add the question type Meta info, and a branch on it that ends the survey.")
+    if numbers := [item.name for item in (*manifest.demographics, *manifest.questions_after) if item.number]:
+        note = (
+            f"Response requirements, Content validation, Number, for {', '.join(numbers)}, with the range in the text."
+        )
+        found[QUESTIONS] = by_hand(f"{found[QUESTIONS].note} {note}")
     if manifest.choices.order == "random":
         found[CHOICES] = by_hand("Select the questions named by codes, and choose Randomization, all choices.")
     if manifest.thanks.code or manifest.thanks.link:
-        note = by_hand("It is in the block End: without the branch for declining, everybody sees it.")
-        found |= {CODE: note, LINK: note}
+        seen = by_hand("It is in the block End: without the branch for declining, everybody sees it.")
+        found |= {CODE: seen, LINK: seen}
     return found
 
 
@@ -64,10 +85,13 @@ def qualtrics(kit: Kit, video_url: str) -> Files:
     manifest = kit.manifest
     agreement = [manifest.consent.agree, manifest.consent.decline]
     blocks = [
-        _block("Consent", _choice("consent", paragraphs(manifest.consent.text, _escaped), agreement)),
+        _block("Consent", _choice("consent", consent(manifest, _escaped), agreement)),
         *([_block("About you", *map(_question, manifest.demographics))] if manifest.demographics else []),
         _block("Instructions", _text("instructions", paragraphs(manifest.instructions, _escaped))),
+        *_practice(kit, video_url),
         *(_block(code, *_video(kit, code, video_url)) for code in manifest.codes),
+        *(_check(check, video_url) for check in manifest.checks),
+        *([_block("Last questions", *map(_question, manifest.questions_after))] if manifest.questions_after else []),
         _block("End", _text("end", thanks(manifest, _escaped))),
     ]
     numbers = {str(number): choice.label for number, choice in enumerate(manifest.choices.labels, start=1)}
@@ -100,10 +124,34 @@ def _choice(name: str, text: str, choices: list[str], layout: str = "SingleAnswe
     return f"[[Question:MC:{layout}]]\n[[ID:{name}]]\n{text}\n[[Choices]]\n{choices_in_lines}\n"
 
 
+def _practice(kit: Kit, video_url: str) -> list[str]:
+    practice, manifest = kit.manifest.practice, kit.manifest
+    if practice is None:
+        return []
+    text = f"{_escaped(manifest.texts.practice_note)}<br>{video_element(practice.code, video_url, _escaped)}"
+    choices = [choice.text for choice in manifest.choices.labels]
+    return [_block("Practice", _choice("practice", f"{text}<br>{_escaped(manifest.question)}", choices))]
+
+
+def _check(check: PublicCheck, video_url: str) -> str:
+    text = f"{video_element(check.video.code, video_url, _escaped)}<br>{_escaped(check.question)}"
+    return _block(f"Check {check.name}", _choice(check.name, text, list(check.choices)))
+
+
+def _returns(kit: Kit) -> str:
+    """Return the codes and links for who declines and who fails an attention check."""
+    cases = {"who declines": kit.server.declined, "who fails a check": kit.server.failed}
+    return "; ".join(f"{who}: {back.code or ''} {back.link or ''}".strip() for who, back in cases.items())
+
+
 def _question(question: Question) -> str:
+    text = _escaped(question.question)
     if question.choices is None:
-        return f"[[Question:TE:SingleLine]]\n[[ID:{question.name}]]\n{_escaped(question.question)}\n"
-    return _choice(question.name, _escaped(question.question), list(question.choices))
+        layout = "Essay" if question.long else "SingleLine"
+        ends = f" ({question.number.low} to {question.number.high})" if question.number else ""
+        return f"[[Question:TE:{layout}]]\n[[ID:{question.name}]]\n{text}{ends}\n"
+    layout = "MultipleAnswer:Vertical" if question.several else "SingleAnswer:Vertical"
+    return _choice(question.name, text, list(question.choices), layout)
 
 
 def _video(kit: Kit, code: str, video_url: str) -> list[str]:

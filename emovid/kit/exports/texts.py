@@ -25,12 +25,24 @@ def paragraphs(text: str, escape: Callable[[str], str]) -> str:
     return "".join(f"<p>{escape(part)}</p>" for part in parts if part)
 
 
+def consent(manifest: Manifest, escape: Callable[[str], str]) -> str:
+    """Return the first page as HTML in one line: the text of the requirements, if any, and that of the consent."""
+    needed = manifest.requirements.text
+    return (paragraphs(needed, escape) if needed else "") + paragraphs(manifest.consent.text, escape)
+
+
 def thanks(manifest: Manifest, escape: Callable[[str], str]) -> str:
-    """Return the last page as HTML in one line, with the completion code and the return link of the study."""
-    last, texts = manifest.thanks, manifest.texts
-    code = f"<p>{escape(texts.code)} {escape(last.code)}</p>" if last.code else ""
-    link = f'<p><a href="{escape(last.link)}">{escape(texts.back)}</a></p>' if last.link else ""
-    return paragraphs(last.text, escape) + code + link
+    """Return the last page as HTML in one line, with debriefing, completion code and return link of the study."""
+    debriefing = paragraphs(manifest.debriefing, escape) if manifest.debriefing else ""
+    last = manifest.thanks
+    return paragraphs(last.text, escape) + debriefing + way_back(manifest, last.code, last.link, escape)
+
+
+def way_back(manifest: Manifest, code: str | None, link: str | None, escape: Callable[[str], str]) -> str:
+    """Return a completion code and a return link as HTML in one line."""
+    texts = manifest.texts
+    shown = f"<p>{escape(texts.code)} {escape(code)}</p>" if code else ""
+    return shown + (f'<p><a href="{escape(link)}">{escape(texts.back)}</a></p>' if link else "")
 
 
 def video_element(code: str, video_url: str, escape: Callable[[str], str]) -> str:

@@ -23,7 +23,7 @@ _LIMESURVEY = (
     ("interviewtime", "total time", "gesamtzeit"),
 )
 # Questions of a survey that `study export --to limesurvey` made: they are no groups.
-_KIT = ("consent", "instructions", "videoset")
+_KIT = ("consent", "instructions", "practice", "videoset")
 _KIT_NAME = re.compile(r"[a-z][a-z0-9]*(U[a-z0-9]*)+")
 _SOSCI = (
     "CASE", "SERIAL", "REF", "QUESTNNR", "MODE", "STARTED", "TIME_SUM", "MAILSENT", "LASTDATA", "FINISHED", "Q_VIEWER",

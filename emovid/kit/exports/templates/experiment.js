@@ -24,14 +24,14 @@ function paragraphs(text) {
   return text.trim().split(/\n\s*\n/).map((part) => `<p>${escaped(part)}</p>`).join("");
 }
 
-/** Returns the participant and the row of the orders, both from ?participant=...; without it, an id of a recruitment
-    service or a random one, and a random row. */
+/** Returns the participant and the row of the orders, both from ?participant=...; without it, a random name and a random
+    row. */
 function participant() {
   const given = new URLSearchParams(window.location.search);
   const rows = Object.keys(KIT.orders);
   const asked = given.get("participant");
   const chance = Math.floor(Math.random() * rows.length);
-  const name = asked || given.get("PROLIFIC_PID") || `web-${crypto.getRandomValues(new Uint32Array(2)).join("")}`;
+  const name = asked || `web-${crypto.getRandomValues(new Uint32Array(2)).join("")}`;
   return { name, row: rows.includes(asked) ? asked : rows[chance] };
 }
 
@@ -45,6 +45,9 @@ class VideoQuestion {
       file: { type: jsPsychModule.ParameterType.STRING },
       choices: { type: jsPsychModule.ParameterType.COMPLEX, array: true },
       place: { type: jsPsychModule.ParameterType.INT },
+      question: { type: jsPsychModule.ParameterType.STRING },
+      heading: { type: jsPsychModule.ParameterType.HTML_STRING, default: "" },
+      kind: { type: jsPsychModule.ParameterType.STRING, default: "video" }, // or practice, or the name of a check
     },
     data: {
       video_code: { type: jsPsychModule.ParameterType.STRING },
@@ -129,16 +132,21 @@ class VideoQuestion {
     form.addEventListener("submit", (event) => {
       event.preventDefault();
       const data = new FormData(form);
+      const answer = data.get("response");
+      const said = {
+        video: { video_code: trial.code, position: trial.place, response: answer },
+        practice: { practice_response: answer },
+      }[trial.kind] || { check: trial.kind, check_response: answer };
       const result = {
-        video_code: trial.code,
-        position: trial.place,
-        response: data.get("response"),
+        ...said,
         rt: Math.round(performance.now() - start),
         plays,
         watched_seconds: Math.round(watched * 10) / 10,
       };
-      for (const rating of KIT.ratings) result[rating.name] = Number(data.get(rating.name));
-      if (KIT.choices.order === "random") result.choices = trial.choices.map((choice) => choice.label).join("|");
+      for (const rating of ratingsOf(trial)) {
+        if (trial.kind === "video") result[rating.name] = Number(data.get(rating.name));
+      }
+      if (trial.kind === "video" && KIT.choices.order === "random") result.choices = trial.choices.map((choice) => choice.label).join("|");
       document.removeEventListener("visibilitychange", hidden);
       display.innerHTML = "";
       this.jsPsych.finishTrial(result);
@@ -148,43 +156,69 @@ class VideoQuestion {
   static page(trial) {
     const choices = trial.choices.map((choice) =>
       `<label><input type="radio" name="response" value="${escaped(choice.label)}">${escaped(choice.text)}</label>`);
-    const ratings = KIT.ratings.map((rating) =>
+    const ratings = ratingsOf(trial).map((rating) =>
       `<div class="rating"><label class="question" for="${rating.name}">${escaped(rating.question)}</label>
        <input class="untouched" type="range" id="${rating.name}" name="${rating.name}" min="1" max="${rating.steps}">
        <div class="ends"><span>${escaped(rating.low)}</span><span>${escaped(rating.high)}</span></div></div>`);
-    return `<div class="stage"><video playsinline preload="auto" disablepictureinpicture></video>
+    return `${trial.heading}<div class="stage"><video playsinline preload="auto" disablepictureinpicture></video>
       <button type="button" class="play">${escaped(TEXTS.play)}</button></div>
       <div class="below"><p class="note" aria-live="polite">${escaped(TEXTS.watch_first)}</p>
       <button type="button" class="again plain" hidden>${escaped(TEXTS.again)}</button></div>
       <form><fieldset disabled>
-      <fieldset role="radiogroup"><legend class="question">${escaped(KIT.question)}</legend>
+      <fieldset role="radiogroup"><legend class="question">${escaped(trial.question)}</legend>
       <div class="choices">${choices.join("")}</div></fieldset>
       ${ratings.join("")}
       <button type="submit" disabled>${escaped(TEXTS.submit)}</button></fieldset></form>`;
   }
 }
 
-function demographics() {
-  const items = KIT.demographics.map((item) => {
+/** Returns the ratings on the page of a trial: attention checks have none. */
+function ratingsOf(trial) {
+  return ["video", "practice"].includes(trial.kind) ? KIT.ratings : [];
+}
+
+function questions(title, list) {
+  const items = list.map((item) => {
     const mark = item.required ? "" : ` <span class="optional">${escaped(TEXTS.optional)}</span>`;
     const needed = item.required ? "required" : "";
+    if (item.long) {
+      return `<p><label class="question" for="${item.name}">${escaped(item.question)}${mark}</label><br>
+        <textarea id="${item.name}" name="${item.name}" rows="6" maxlength="5000" ${needed}></textarea></p>`;
+    }
+    if (item.number) {
+      return `<p><label class="question" for="${item.name}">${escaped(item.question)}${mark}</label><br>
+        <input type="number" id="${item.name}" name="${item.name}" min="${item.number.low}" max="${item.number.high}"
+        step="1" ${needed}></p>`;
+    }
     if (!item.choices) {
       return `<p><label class="question" for="${item.name}">${escaped(item.question)}${mark}</label><br>
         <input type="text" id="${item.name}" name="${item.name}" autocomplete="off" ${needed}></p>`;
     }
-    const choices = item.choices.map((choice) =>
-      `<label><input type="radio" name="${item.name}" value="${escaped(choice)}" ${needed}>${escaped(choice)}</label>`);
-    return `<fieldset><legend>${escaped(item.question)}${mark}</legend>
+    const several = item.several ? `<p class="note">${escaped(TEXTS.several)}</p>` : "";
+    const choices = item.choices.map((choice, i) => item.several
+      ? `<label><input type="checkbox" name="${item.name}_${i + 1}" value="${escaped(choice)}">${escaped(choice)}</label>`
+      : `<label><input type="radio" name="${item.name}" value="${escaped(choice)}" ${needed}>${escaped(choice)}</label>`);
+    return `<fieldset><legend>${escaped(item.question)}${mark}</legend>${several}
       <div class="choices">${choices.join("")}</div></fieldset>`;
   });
-  return `<h1>${escaped(TEXTS.about_you)}</h1>${items.join("")}`;
+  return {
+    type: jsPsychSurveyHtmlForm,
+    html: `<h1>${escaped(title)}</h1>${items.join("")}`,
+    button_label: escaped(TEXTS.next),
+  };
+}
+
+/** Returns a return link with the values of the address in the place of {NAME}. */
+function filled(link) {
+  const given = new URLSearchParams(window.location.search);
+  return link.replace(/\{([\w-]+)\}/g, (_, name) => encodeURIComponent(given.get(name) || ""));
 }
 
 function thanks(csv, name) {
   const { text, code, link } = KIT.thanks;
-  const parts = [`<h1>${escaped(KIT.title)}</h1>`, paragraphs(text)];
+  const parts = [`<h1>${escaped(KIT.title)}</h1>`, paragraphs(text), KIT.debriefing ? paragraphs(KIT.debriefing) : ""];
   if (code) parts.push(`<p>${escaped(TEXTS.code)}<br><span class="code">${escaped(code)}</span></p>`);
-  if (link) parts.push(`<p><a href="${escaped(link)}">${escaped(TEXTS.back)}</a></p>`);
+  if (link) parts.push(`<p><a href="${escaped(filled(link))}">${escaped(TEXTS.back)}</a></p>`);
   parts.push(`<p><button type="button" class="plain" id="save">${escaped(TEXTS.save)}</button></p>`);
   const content = document.querySelector(".jspsych-content");
   content.innerHTML = `<div class="page">${parts.join("")}</div>`;
@@ -206,6 +240,9 @@ const jsPsych = initJsPsych({
   },
 });
 jsPsych.data.addProperties({ participant: me.name });
+for (const name of KIT.parameters) {
+  jsPsych.data.addProperties({ [name]: new URLSearchParams(window.location.search).get(name) || "" });
+}
 
 const screen = (text, ...buttons) => ({
   type: jsPsychHtmlButtonResponse,
@@ -215,12 +252,16 @@ const screen = (text, ...buttons) => ({
 const timeline = [];
 timeline.push({
   type: jsPsychPreload,
-  video: KIT.preload.filter((name) => KIT.orders[me.row].map(file).includes(name)), // those of this participant
+  video: [ // those of this participant
+    ...(KIT.practice ? [KIT.practice] : []),
+    ...KIT.preload.filter((name) => KIT.orders[me.row].map(file).includes(name)),
+    ...KIT.checks.map((check) => check.file),
+  ],
   message: paragraphs(TEXTS.loading),
   error_message: paragraphs(TEXTS.load_error),
 });
 timeline.push({
-  ...screen(`<h1>${escaped(KIT.title)}</h1>${paragraphs(KIT.consent.text)}`, KIT.consent.agree, KIT.consent.decline),
+  ...screen(`<h1>${escaped(KIT.title)}</h1>${KIT.requirements.text ? paragraphs(KIT.requirements.text) : ""}${paragraphs(KIT.consent.text)}`, KIT.consent.agree, KIT.consent.decline),
   data: { consent_version: KIT.consent.version, order_index: me.row },
   on_finish: (data) => {
     if (data.response === 1) return jsPsych.abortExperiment(`<div class="page">${paragraphs(KIT.consent.declined)}</div>`);
@@ -228,13 +269,28 @@ timeline.push({
   },
 });
 if (KIT.demographics.length) {
-  timeline.push({ type: jsPsychSurveyHtmlForm, html: demographics(), button_label: escaped(TEXTS.next) });
+  timeline.push(questions(TEXTS.about_you, KIT.demographics));
 }
 timeline.push(screen(paragraphs(KIT.instructions), TEXTS.next));
 const labels = KIT.choices.labels;
 const drawn = KIT.choice_orders[me.row];
 const choices = drawn ? drawn.map((label) => labels.find((answer) => answer.label === label)) : labels;
+const shown = { type: VideoQuestion, question: KIT.question, choices, code: "", place: 0 };
+if (KIT.practice) {
+  const heading = `<h1>${escaped(TEXTS.practice)}</h1>${paragraphs(TEXTS.practice_note)}`;
+  timeline.push({ ...shown, kind: "practice", file: KIT.practice, heading });
+}
+function checks(place, last) {
+  const due = KIT.checks.filter((check) => check.after === place || (last && check.after > place));
+  for (const { name, question, choices: texts, file: video } of due) {
+    const answers = texts.map((text) => ({ label: text, text }));
+    timeline.push({ ...shown, kind: name, file: video, question, choices: answers });
+  }
+}
 KIT.orders[me.row].forEach((code, i) => {
-  timeline.push({ type: VideoQuestion, code, file: file(code), choices, place: i + 1 });
+  checks(i, false);
+  timeline.push({ ...shown, code, file: file(code), place: i + 1 });
 });
+checks(KIT.orders[me.row].length, true);
+if (KIT.questions_after.length) timeline.push(questions(TEXTS.more_questions, KIT.questions_after));
 jsPsych.run(timeline);
