@@ -1,6 +1,6 @@
 """Models of YAML files: groups of keys that pydantic validates, and one-line messages from its errors."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from types import NoneType
 from typing import Any, Literal, get_args, get_origin
 
@@ -22,10 +22,12 @@ _WORDS: Mapping[KeyPath, str] = {
     ("robot", "model"): "a robot's name, a file that ends in .yaml, or a group of keys",
     ("robot", "limits"): "a group of keys, model or null",
 }
+_TRUTHS = {"yes": "true", "on": "true", "1": "true", "no": "false", "off": "false", "0": "false"}
 _KINDS = {
     "float_type": "a number",
     "finite_number": "a finite number",
     "int_type": "a whole number",
+    "bool_type": "true or false",
     "string_type": "text",
     "string_unicode": "text of Unicode characters",
     "list_type": "a list",
@@ -93,7 +95,9 @@ def _problem(item: Mapping[str, Any], root: type[BaseModel]) -> tuple[KeyPath, s
     if kind in _BOUNDS:
         bound, words = _BOUNDS[kind]
         return path, f"{_shown(given)}: expected {words} {context[bound]:g}"
-    return path, f"{_shown(given)}: expected {_expected(kind, path, context, item['msg'])}"
+    hint = _TRUTHS.get(str(given).lower(), "") if kind == "bool_type" else ""
+    words = _expected(kind, path, context, item["msg"])
+    return path, f"{_shown(given)}: expected {words}{hint and f' (did you mean {hint}?)'}"
 
 
 def _expected(kind: str, path: KeyPath, context: Mapping[str, Any], message: str) -> str:
@@ -135,7 +139,18 @@ def _known_key(loc: KeyPath, path: KeyPath, root: type[BaseModel]) -> str:
     known = [field.alias or name for model in models for name, field in model.model_fields.items()]
     parents = "".join(f"{part}." for part in path[:-1])
     hint = nearest(str(path[-1]), known)
+    if not hint and not parents:
+        hint = next((f" (did you mean {path}?)" for path in _paths_to(str(path[-1]), root)), "")
+        parents = ""
     return hint.replace("mean ", f"mean {parents}") if hint else f"; expected {_one_of(known)}"
+
+
+def _paths_to(name: str, root: type[BaseModel]) -> Iterator[str]:
+    """Yield the dotted paths of the keys of a name in the groups of a model."""
+    for key, field in root.model_fields.items():
+        for model in _models_in(field.annotation):
+            if name in model.model_fields:
+                yield f"{key}.{name}"
 
 
 def _description(loc: KeyPath, root: type[BaseModel]) -> str:

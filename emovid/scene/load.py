@@ -141,6 +141,8 @@ def find_scene(source: str | Path) -> Path:
         raise SourceError(str(source), f"no such file or emotion{nearest(str(source), shipped_names())}")
     if path.suffix.lower() == ".npz":
         raise SourceError(str(source), "is a finished run; expected a scene (.yaml) or an emotion")
+    if path.suffix.lower() == ".csv":
+        raise SourceError(str(source), "is a table; expected a scene (.yaml), or a run as emovid simulate -o RUN.npz")
     return path
 
 
@@ -225,7 +227,8 @@ def _apply(setting: Setting, data: dict[str, Any], places: dict[KeyPath, str]) -
     if isinstance(setting.value, str):
         value = yaml_source.read_value(setting.value, setting.origin)
     else:
-        value = deepcopy(setting.value)  # later settings may change it
+        value = _plain(setting.value)
+    value = _located(setting.key, value)
     *parents, last = key_path(setting.key)
     target: Any = data
     for i, part in enumerate(parents):
@@ -240,6 +243,21 @@ def _apply(setting: Setting, data: dict[str, Any], places: dict[KeyPath, str]) -
     for inside in [known for known in places if known[: len(path)] == path]:
         del places[inside]
     places[path] = setting.origin
+
+
+def _plain(value: Any) -> Any:
+    """Return a copy of a value, with numpy's numbers and arrays as Python's."""
+    if isinstance(value, Mapping):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return value.tolist() if hasattr(value, "tolist") else deepcopy(value)
+
+
+def _located(key: str, value: Any) -> Any:
+    """Return the value of a key, where it names an existing file of the user by its path from everywhere."""
+    is_file = key.rpartition(".")[2] == "file" or (key == "robot.model" and str(value).endswith((".yaml", ".yml")))
+    return str(Path(value).resolve()) if is_file and isinstance(value, str) and Path(value).is_file() else value
 
 
 def _cut_snapshots(data: dict[str, Any], own: Any) -> None:

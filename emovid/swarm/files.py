@@ -110,5 +110,10 @@ def _check_arrays(scene: Scene, arrays: Mapping[str, Any], source: Path) -> None
     for name, array in arrays.items():
         if array.dtype.kind not in "fiub" or not np.isfinite(array).all():
             raise InputError(f"{source}: not a run: not all of {name} are finite numbers")
-    if (np.diff(arrays["t"]) <= 0).any():
+    t = arrays["t"]
+    if (np.diff(t) <= 0).any():
         raise InputError(f"{source}: not a run: the times in t do not rise")
+    if t[0] != 0:
+        raise InputError(f"{source}: not a whole run: t begins at {t[0]:g}, expected 0")
+    if not np.isclose(t[-1], scene.duration, rtol=1e-9, atol=0):
+        raise InputError(f"{source}: not a whole run: t ends at {t[-1]:g}, expected the duration, {scene.duration:g}")

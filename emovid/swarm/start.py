@@ -137,6 +137,10 @@ def _check_stage(scene: Scene, poses: Array) -> None:
     outside = room_on_stage(poses[:, :2], scene.stage) < scene.robot.body.radius - _ROUNDING
     if outside.any():
         i = int(np.argmax(outside))
+        ahead = poses[:, :2] + (scene.robot.l or 0.0) * np.stack([np.cos(poses[:, 2]), np.sin(poses[:, 2])], axis=-1)
+        if isinstance(scene.start, OnContour) and (room_on_stage(ahead, scene.stage) >= scene.robot.body.radius).all():
+            where = f"robot {i + 1} would start at ({poses[i, 0]:.3g}, {poses[i, 1]:.3g}), off the stage"
+            raise scene.fault("robot.l", f"{scene.robot.l:g}: {where}, this far behind its point on the contour")
         raise scene.fault(
             "start", f"robot {i + 1} would start at ({poses[i, 0]:.3g}, {poses[i, 1]:.3g}), off the stage"
         )

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from emovid.errors import InputError
 from emovid.scene.video import MAX_SIDE, MIN_SIDE, FormatName
 from emovid.swarm.arrays import Array
 from emovid.swarm.trajectory import Trajectory
@@ -41,10 +42,14 @@ def render_video(
         The checksum of the frames, in hexadecimal: where files differ, it tells whether frames do.
 
     Raises:
-        InputError: if a sequence would replace something else.
+        InputError: if the name does not end like the format's files, or a sequence would replace something else.
         RenderError: if the video cannot be made.
     """
     scene = trajectory.scene
+    suffix = FORMATS[scene.video.format].suffix
+    if suffix and Path(target).suffix.lower() != suffix:
+        expected = f"expected {suffix}, or a scene whose video.format is another"
+        raise InputError(f"{target}: cannot write {Path(target).suffix or 'a name without suffix'}; {expected}")
     write = write_pictures if scene.video.format == "png-sequence" else write_video
     drawn = _DrawnFrames(trajectory)
     write(_encodable(drawn, trajectory), scene.frames, video_arguments(scene.video, crf), Path(target), on_frame)
