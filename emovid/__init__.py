@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from emovid.swarm.trajectory import Trajectory
     from emovid.version import __version__
     from emovid.video.render import render_video, show
+    from emovid.workflows.notebook import build_kit, confusion_table, paper_figure, simulate_responses
+    from emovid.workflows.planning import plan_study
 
 __all__ = [
     "EmovidError",
@@ -22,12 +24,17 @@ __all__ = [
     "Trajectory",
     "__version__",
     "analyze",
+    "build_kit",
+    "confusion_table",
     "describe",
     "load_scene",
+    "paper_figure",
+    "plan_study",
     "read_responses",
     "render_video",
     "show",
     "simulate",
+    "simulate_responses",
     "to_dataframe",
 ]
 
@@ -38,13 +45,18 @@ _HOMES = {
     "InputError": "emovid.errors",
     "__version__": "emovid.version",
     "analyze": "emovid.statistics.analyze",
+    "build_kit": "emovid.workflows.notebook",
+    "confusion_table": "emovid.workflows.notebook",
     "describe": "emovid.measure.describe",
     "Trajectory": "emovid.swarm.trajectory",
     "load_scene": "emovid.scene.load",
+    "paper_figure": "emovid.workflows.notebook",
+    "plan_study": "emovid.workflows.planning",
     "read_responses": "emovid.responses.read",
     "render_video": "emovid.video.render",
     "show": "emovid.video.render",
     "simulate": "emovid.swarm.simulate",
+    "simulate_responses": "emovid.workflows.notebook",
     "to_dataframe": "emovid.swarm.dataframe",
 }
 

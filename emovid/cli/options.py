@@ -12,6 +12,7 @@ from emovid.cli import completion
 from emovid.errors import InputError, nearest
 from emovid.scene.emotions import EMOTIONS, PLATFORMS
 from emovid.scene.load import Setting
+from emovid.scene.model import Scene as ValidScene
 from emovid.workflows.outputs import STDOUT
 
 
@@ -49,7 +50,9 @@ def number(
     return parse
 
 
-_FILE_SUFFIX = re.compile(r"\.(?!v\d)[A-Za-z][A-Za-z0-9]{1,7}")  # not of a folder such as results.v2 or 2024.11.30
+_FILE_SUFFIX = re.compile(
+    r"\.(?!v\d)([A-Za-z][A-Za-z0-9]{1,7}|m|R)"
+)  # not of a folder such as results.v2 or 2024.11.30
 
 Source = Annotated[
     str | None,
@@ -186,6 +189,12 @@ def settings(
         if option is not None:
             made.append(Setting(f"video.{key}", option, f"--{key} {option}"))
     return made
+
+
+def warn_of(scene: ValidScene, *, quiet: bool) -> None:
+    """Print the warning about a scene, if there is one."""
+    if scene.warning and not quiet:
+        typer.echo(f"warning: {scene.warning}", err=True)
 
 
 def check_file(file: Path, given: str) -> None:

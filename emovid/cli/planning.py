@@ -6,8 +6,9 @@ from typing import Annotated
 
 import typer
 
-from emovid.cli.options import Json, Quiet, RandomSeed, check_file, refuse_beside
+from emovid.cli.options import Force, Json, Quiet, RandomSeed, check_file, number, refuse_beside, whole
 from emovid.report.results_json import as_json
+from emovid.workflows.outputs import STDOUT
 from emovid.workflows.planning import (
     ACCURACY,
     Rehearsal,
@@ -21,11 +22,23 @@ from emovid.workflows.planning import (
 
 
 def power(
-    rate: Annotated[float, typer.Option(help="Hit rate to detect.")] = 0.4,
-    k: Annotated[int, typer.Option("--choices", min=2, max=12, help="Answers to choose from.")] = 6,
-    videos: Annotated[int, typer.Option(min=1, max=100, help="Tests that Holm's correction covers.")] = 6,
-    alpha: Annotated[float, typer.Option(help="Level of all tests together.")] = 0.05,
-    desired: Annotated[float, typer.Option("--power", help="Desired power.")] = 0.8,
+    rate: Annotated[
+        float, typer.Option(metavar="SHARE", help="Hit rate to detect.", parser=number("--rate", 0, 1))
+    ] = 0.4,
+    k: Annotated[
+        int,
+        typer.Option("--choices", metavar="INTEGER", help="Answers to choose from.", parser=whole("--choices", 2, 12)),
+    ] = 6,
+    videos: Annotated[
+        int,
+        typer.Option(metavar="INTEGER", help="Tests that Holm's correction covers.", parser=whole("--videos", 1, 100)),
+    ] = 6,
+    alpha: Annotated[
+        float, typer.Option(metavar="SHARE", help="Level of all tests together.", parser=number("--alpha", 0, 1))
+    ] = 0.05,
+    desired: Annotated[
+        float, typer.Option("--power", metavar="SHARE", help="Desired power.", parser=number("--power", 0, 1))
+    ] = 0.8,
     print_json: Json = False,
 ) -> None:
     """Plan how many participants a study needs.
@@ -85,10 +98,21 @@ def plan(
 
 
 def simulate(
-    output: Annotated[Path, typer.Option("--output", "-o", help="The CSV to write.")] = Path("responses.csv"),
-    participants: Annotated[int, typer.Option(min=1, max=1_000_000, help="Simulated participants.")] = 45,
+    output: Annotated[Path, typer.Option("--output", "-o", help="The CSV to write; - prints it.")] = Path(
+        "responses.csv"
+    ),
+    participants: Annotated[
+        int,
+        typer.Option(metavar="INTEGER", help="Simulated participants.", parser=whole("--participants", 1, 1_000_000)),
+    ] = 45,
     accuracy: Annotated[
-        float | None, typer.Option(min=0, max=1, help="Probability of a right answer.", show_default=f"{ACCURACY}")
+        float | None,
+        typer.Option(
+            metavar="SHARE",
+            help="Probability of a right answer.",
+            show_default=f"{ACCURACY}",
+            parser=number("--accuracy", 0, 1),
+        ),
     ] = None,
     matrix: Annotated[
         Path | None, typer.Option("--matrix", help="Answer as in this confusion matrix, instead.", show_default=False)
@@ -97,9 +121,16 @@ def simulate(
         list[str] | None,
         typer.Option("--bias", metavar="LABEL=WEIGHT", help="Weight among wrong answers.", show_default=False),
     ] = None,
-    elimination: Annotated[float, typer.Option(min=0, max=1, help="Share who give each label once.")] = 0.0,
-    dropout: Annotated[float, typer.Option(min=0, max=1, help="Probability of leaving after a video.")] = 0.0,
+    elimination: Annotated[
+        float,
+        typer.Option(metavar="SHARE", help="Share who give each label once.", parser=number("--elimination", 0, 1)),
+    ] = 0.0,
+    dropout: Annotated[
+        float,
+        typer.Option(metavar="SHARE", help="Probability of leaving after a video.", parser=number("--dropout", 0, 1)),
+    ] = 0.0,
     seed: RandomSeed = 0,
+    force: Force = False,
     quiet: Quiet = False,
 ) -> None:
     """Simulate the responses of participants.
@@ -108,10 +139,11 @@ def simulate(
 
     Examples: emovid study simulate -o responses.csv --participants 60 · emovid study simulate --bias anger=2
     """
-    check_file(output, f"-o {output}")
+    if output != STDOUT:
+        check_file(output, f"-o {output}")
     if matrix:
         refuse_beside("--matrix", {"--accuracy": accuracy, "--bias": bias})
     rehearsal = Rehearsal(participants, accuracy, matrix, bias or [], elimination, dropout, seed)
-    answers = write_rehearsal(rehearsal, output)
+    answers = write_rehearsal(rehearsal, output, force=force)
     if not quiet:
         typer.echo(f"{output}: {answers} answers of {participants} simulated participants", err=True)

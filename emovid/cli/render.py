@@ -29,6 +29,7 @@ from emovid.cli.options import (
     one_source,
     output_file,
     settings,
+    warn_of,
     whole,
 )
 from emovid.cli.terminal import counting, raise_failures, reporter
@@ -128,6 +129,8 @@ def render(
     overrides = _look(settings(assignments, seed, look, duration), output, overlays or [])
     named = list(EMOTIONS) if every else _named(sources or [], emotion)
     work = rendering.video_jobs([on_platform(name, platform) for name in named], overrides, output, _video_file)
+    for job in work:
+        warn_of(job.scene, quiet=quiet or as_json)
     files = (manifest.NAME, rendering.ORDER) if every else (manifest.NAME,)
     with reporter(len(work), quiet=quiet or as_json) as report:
         made = rendering.make_all(work, report, jobs, force=force, files=files)
@@ -221,6 +224,7 @@ def _preview(source: str, overrides: list[Setting], target: Path, *, quiet: bool
     started = time.perf_counter()
     scene = load_scene(source, overrides)
     check_start(scene)
+    warn_of(scene, quiet=quiet)
     make_folder(target.parent)
     with counting(target.name, quiet=quiet) as on_period:
         run = simulate_scene(scene, on_period)
@@ -258,6 +262,7 @@ def simulate(
     to_stdout = output == STDOUT
     target = STDOUT if to_stdout else output_file(output, f"{find_scene(chosen).stem}.npz", ".", SUFFIXES)
     check_start(scene)
+    warn_of(scene, quiet=quiet or as_json)
     if not force:
         rendering.check_trajectory(target, scene)
     with counting(target.name, quiet=quiet or as_json) as on_period:

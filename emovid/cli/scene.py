@@ -8,9 +8,21 @@ from typing import Annotated, Any
 
 import typer
 
-from emovid.atomic_io import make_folder, writing
+from emovid.atomic_io import make_folder
 from emovid.cli import completion
-from emovid.cli.options import Force, Json, Platform, Quiet, Scene, Seed, Set, check_file, on_platform, settings
+from emovid.cli.options import (
+    Force,
+    Json,
+    Platform,
+    Quiet,
+    Scene,
+    Seed,
+    Set,
+    check_file,
+    on_platform,
+    settings,
+    warn_of,
+)
 from emovid.errors import InputError
 from emovid.scene import model
 from emovid.scene.difference import ABSENT, Difference, differences
@@ -19,6 +31,7 @@ from emovid.scene.load import (
     find_scene,
     load_robot,
     load_scene,
+    moved_scene,
     parse_scene,
     scene_digest,
     scene_schema,
@@ -27,6 +40,7 @@ from emovid.scene.load import (
 from emovid.scene.resources import read_text
 from emovid.swarm.simulate import simulate
 from emovid.swarm.summary import summarize
+from emovid.workflows.outputs import STDOUT, write_outputs
 
 _SHOWN = 60  # characters of a value in the table; --json has all
 
@@ -94,6 +108,7 @@ def check(scene: Scene, assignments: Set = None, seed: Seed = None, as_json: Jso
     """
     checked = load_scene(scene, settings(assignments, seed))
     found = summarize(simulate(checked))
+    warn_of(checked, quiet=as_json)
     if as_json:
         typer.echo(json.dumps({"scene": scene, "scene_digest": scene_digest(checked), **asdict(found)}, indent=2))
         return
@@ -110,7 +125,7 @@ def check(scene: Scene, assignments: Set = None, seed: Seed = None, as_json: Jso
 
 
 def new(
-    file: Annotated[Path, typer.Argument(help="The file to write.")],
+    file: Annotated[Path, typer.Argument(help="The file to write; - prints it.")],
     source: Annotated[
         str, typer.Option("--from", help="The scene to start from.", autocompletion=completion.scenes)
     ] = "happiness",
@@ -124,12 +139,14 @@ def new(
     """
     source = on_platform(source, platform)
     _, text = _read(source)
+    if file == STDOUT:
+        typer.echo(text, nl=False)
+        return
     check_file(file, str(file))
     if file.exists() and not force:
         raise InputError(f"{file}: exists; use --force to overwrite it")
     make_folder(file.parent)
-    with writing(file) as target:
-        target.write(text.encode())
+    write_outputs({file: moved_scene(text, find_scene(source), file).encode()}, force=True)
     if not quiet:
         typer.echo(f"{file}: a copy of {source}; check it with emovid scene check {file}", err=True)
 

@@ -8,14 +8,14 @@ from typing import Annotated
 
 import typer
 
-from emovid.atomic_io import make_folder, writing
 from emovid.cli.kit import KitPath
-from emovid.cli.options import Json, Quiet, check_file
+from emovid.cli.options import Force, Json, Quiet, check_file
 from emovid.csv_writer import csv_text
 from emovid.errors import EmovidError, InputError
 from emovid.survey.codes import digest, normalized, recruit_digest
 from emovid.survey.export import progress_of, responses_csv
 from emovid.survey.store import Withdrawal, open_survey
+from emovid.workflows.outputs import STDOUT, is_of_kit, write_outputs
 
 Pilot = Annotated[bool, typer.Option("--pilot", help="Use the answers of the pilot, which have a file of their own.")]
 Release = Annotated[
@@ -74,6 +74,7 @@ def responses(
         bool, typer.Option("--rehearsal", help="Mark the answers as a rehearsal, which study analyze counts.")
     ] = False,
     release_after: Release = 120,
+    force: Force = False,
     quiet: Quiet = False,
 ) -> None:
     """Write the answers of a web survey as a table.
@@ -82,15 +83,15 @@ def responses(
 
     Examples: emovid study responses kit/ -o responses.csv
     """
-    check_file(output, f"-o {output}")
+    if output != STDOUT:
+        check_file(output, f"-o {output}")
     opened, store = open_survey(kit, pilot=pilot)
     mode = "rehearsal" if rehearsal else ""
     text = responses_csv(store, opened, pilot=pilot, release=60 * release_after, mode=mode)
     counts = progress_of(store, list(opened.orders), opened.manifest.codes, 60 * release_after)
     store.close()
-    make_folder(output.parent)
-    with writing(output) as file:
-        file.write(text.encode())
+    force = force or is_of_kit(output, opened.manifest.codes)
+    write_outputs({output: text.encode()}, force=force)
     if not quiet:
         flow = ", ".join(f"{count} {name}" for name, count in counts.flow().items() if count and name != "answers")
         print(f"{output}: {counts.answers} answers; participants: {flow or 'none'}", file=sys.stderr)

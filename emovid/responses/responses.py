@@ -101,6 +101,11 @@ class Responses:
     warnings: tuple[str, ...] = ()
     places: pd.DataFrame = field(default_factory=pd.DataFrame)
 
+    def __repr__(self) -> str:
+        return (
+            f"Responses({len(self.participants)} participants, {len(self.answers)} answers, {len(self.labels)} labels)"
+        )
+
     def notes(self) -> list[str]:
         """Return the notes of the sources; files that share a note share a line."""
         files: dict[str, list[str]] = {}

@@ -5,6 +5,7 @@ The robot and the pictures of a scene are read once and become part of it, so th
 
 import hashlib
 import json
+import os
 from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from functools import lru_cache
@@ -280,6 +281,40 @@ def _child(target: Any, part: str | int, setting: Setting, **new: Any) -> Any:
     if new:
         target[key] = new["new"]
     return target[key]
+
+
+def moved_scene(text: str, source: Path, target: Path) -> str:
+    """Return the text of a scene for another folder, with the relative names of its files changed accordingly.
+
+    Args:
+        text: of the scene.
+        source: its file.
+        target: the new file.
+
+    Raises:
+        SourceError: for a name that spans lines, which cannot be replaced.
+    """
+    keys, places = _keys(text, str(source))
+    lines = text.splitlines(keepends=True)
+    for path, where in places.items():
+        name = _at(keys, path)
+        is_file = path[-1:] == ("file",) or (path == ("robot", "model") and str(name).endswith((".yaml", ".yml")))
+        if is_file and isinstance(name, str) and not Path(name).is_absolute():
+            number, moved = _line_of(where) - 1, os.path.relpath(source.parent / name, target.parent)
+            if name not in lines[number]:
+                raise SourceError(where, f"{name}: expected the name on one line", key=".".join(map(str, path)))
+            lines[number] = moved.join(lines[number].rsplit(name, 1)) if moved != name else lines[number]
+    return "".join(lines)
+
+
+def _at(keys: Any, path: KeyPath) -> Any:
+    for part in path:
+        keys = keys[part]
+    return keys
+
+
+def _line_of(where: str) -> int:
+    return int(where.rpartition(":")[2])
 
 
 def scene_schema() -> dict[str, Any]:

@@ -74,6 +74,18 @@ class Scene(Keys):
         """Keep the places (``file:line``) of the keys."""
         self._places = places
 
+    def __repr__(self) -> str:
+        law = self.behaviour.__class__.__name__
+        return f"Scene({self.emotion or law}, {self.robots} robots, {self.duration:g} s, seed {self.seed})"
+
+    @property
+    def warning(self) -> str:
+        """A warning about valid values that hardly anyone intends; "" if there is none."""
+        if self.control_period < self.duration:
+            return ""
+        period = f"control_period: {self.control_period:g} s is as long as the run"
+        return f"{period}: every robot keeps its first command"
+
     def fault(self, key: str, message: str) -> SourceError:
         """Return the error for a fault of `key`, with its place in the file."""
         return SourceError(place_of(key_path(key), self._places), message, key=key)

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from emovid.errors import InputError
 from emovid.responses.labels import NONE
 from emovid.responses.participants import MOST_LEVELS
 from emovid.responses.responses import Responses
@@ -39,6 +40,8 @@ def analyze(responses: Responses, by: Sequence[str] = (), seed: int = 0, margin:
         seed: of every bootstrap, permutation and Monte Carlo test.
         margin: of equivalence between groups, as a share, set beforehand.
     """
+    if not isinstance(responses, Responses):
+        raise InputError(f"analyze: {responses!r} is no Responses; expected those of read_responses('responses.csv')")
     showings, uses = showings_of(responses), None
     levels = {name: len(levels_of(list(column))) for name, column in responses.participants.items()}
     columns = list(by) or [name for name in responses.participants.columns if levels[name] <= MOST_LEVELS]

@@ -162,3 +162,6 @@ class StudyResults(AnswerResults):
     warnings: tuple[str, ...]
     notes: tuple[str, ...]
     provenance: Provenance | None = None
+
+    def __repr__(self) -> str:
+        return f"StudyResults({int(self.counts.sum())} answers to {len(self.emotions)} emotions)"

@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from emovid.errors import InputError
 from emovid.scene.behaviour import ContourKeys, Coverage
 from emovid.scene.model import Scene
 from emovid.scene.robots import Barrier, Robot
@@ -31,10 +32,13 @@ def simulate(scene: Scene, on_period: Callable[[int, int], None] | None = None) 
 
     Raises:
         SourceError: if the robots cannot start where the scene says.
+        InputError: for anything else than a scene.
 
     Warns:
         RuntimeWarning: once, where a barrier's program has no solution: with the time and the robots.
     """
+    if not isinstance(scene, Scene):
+        raise InputError(f"simulate: {scene!r} is no scene; expected one such as load_scene('fear')")
     rng = np.random.default_rng(scene.seed)
     t = sample_times(scene.duration, scene.step)
     law = _law(scene)

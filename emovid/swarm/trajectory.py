@@ -45,6 +45,10 @@ class Trajectory:
     bend: Array | None = None
     relaxed: Mask | None = None
 
+    def __repr__(self) -> str:
+        robots, samples = self.poses.shape[1], len(self.t)
+        return f"Trajectory({self.scene.emotion or 'scene'}, {robots} robots, {samples} samples, {self.t[-1]:g} s)"
+
     def at(self, times: Array) -> Array:
         """Return the poses (F, N, 3) at `times` (F,) [s] within the run.
 

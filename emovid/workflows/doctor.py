@@ -8,7 +8,9 @@ import shlex
 import shutil
 import sys
 import tempfile
+import webbrowser
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from functools import partial
 from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
@@ -18,6 +20,7 @@ from emovid.errors import EmovidError, reason
 
 _ROOM = 500_000_000  # bytes: the six videos take 13 MB, and so do every six videos of a sweep
 _SMALL = {"video.size": "96x64", "video.fps": 5, "duration": 1.0}
+_BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "firefox", "microsoft-edge")
 _OF_DEVELOPERS = ("dev", "docs")  # extras
 _REINSTALL = "pip install --force-reinstall"
 
@@ -106,7 +109,9 @@ def _videos() -> Iterator[Check]:
     """Yield a check for each format, which simulates, draws and encodes a second of a scene."""
     remedy = f"{_REINSTALL} imageio-ffmpeg, and unset IMAGEIO_FFMPEG_EXE if it is set"
     for format in ("mp4", "webm", "gif"):
-        yield _tried(format, format == "mp4", partial(_render, format), remedy)
+        check = _tried(format, format == "mp4", partial(_render, format), remedy)
+        is_other = not check.passed and "ffmpeg" not in check.found  # a missing package or folder, say
+        yield check._replace(remedy="see the other checks: ffmpeg is not at fault") if is_other else check
 
 
 def _render(format: str) -> str:
@@ -157,12 +162,11 @@ def _temporary() -> Check:
 
 def _browser() -> Check:
     """Return whether there is a browser to view reports and rehearse surveys."""
-    import webbrowser
-
-    try:
-        return Check("browser", True, False, getattr(webbrowser.get(), "name", "there"))
-    except webbrowser.Error:
-        return Check("browser", False, False, "none found", "copy report.html or kit/ to a machine with one")
+    found = next(filter(shutil.which, _BROWSERS), None)  # webbrowser finds none of them without a screen
+    with suppress(webbrowser.Error):
+        found = found or getattr(webbrowser.get(), "name", "found")
+    remedy = "copy report.html or kit/ to a machine with one"
+    return Check("browser", bool(found), False, found or "none found", "" if found else remedy)
 
 
 def _tried(name: str, needed: bool, check: Callable[[], str], remedy: str) -> Check:

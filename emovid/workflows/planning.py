@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
-from emovid.atomic_io import make_folder, writing
 from emovid.errors import InputError, nearest
 from emovid.responses.responses import EMOTIONS
 from emovid.responses.results_files import read_matrix
@@ -17,15 +17,27 @@ from emovid.statistics.confusions import percent
 from emovid.statistics.designs import GOALS, RULES, Design, Planned, Sequential, participants_for, sequential
 from emovid.statistics.planning import Plan, plan
 from emovid.statistics.simulated_participants import Responders, rehearse, responders
+from emovid.workflows.outputs import write_outputs
 
 ACCURACY = 0.5
 MOST_WEIGHT = 1_000_000
 
 
-def plan_study(rate: float, k: int, videos: int, alpha: float, power: float) -> Plan:
-    """Return how many participants a study needs (`plan`). Raises InputError for numbers that cannot be."""
+def plan_study(rate: float = 0.4, choices: int = 6, videos: int = 6, alpha: float = 0.05, power: float = 0.8) -> Plan:
+    """Return how many participants a study needs to recognize a video above chance.
+
+    Args:
+        rate: hit rate to detect.
+        choices: answers to choose from.
+        videos: tests that Holm's correction covers.
+        alpha: level of all tests together.
+        power: desired power.
+
+    Raises:
+        InputError: for numbers out of range.
+    """
     try:
-        return plan(rate, k, videos, alpha, power)
+        return plan(rate, choices, videos, alpha, power)
     except ValueError as error:
         raise InputError(str(error)) from None
 
@@ -103,16 +115,23 @@ class Rehearsal:
     """
 
     participants: int
-    accuracy: float | None
-    matrix: Path | None
-    bias: Sequence[str]
-    elimination: float
-    dropout: float
-    seed: int
+    accuracy: float | None = None
+    matrix: Path | None = None
+    bias: Sequence[str] = ()
+    elimination: float = 0.0
+    dropout: float = 0.0
+    seed: int = 0
 
 
-def write_rehearsal(rehearsal: Rehearsal, output: Path) -> int:
-    """Write the answers of simulated participants as CSV; return how many there are."""
+def write_rehearsal(rehearsal: Rehearsal, output: Path, *, force: bool) -> int:
+    """Write the answers of simulated participants as CSV; return how many there are. See `write_outputs`."""
+    table = simulated_answers(rehearsal)
+    write_outputs({output: table.to_csv(index=False, lineterminator="\n").encode()}, force=force)
+    return len(table)
+
+
+def simulated_answers(rehearsal: Rehearsal) -> pd.DataFrame:
+    """Return the answers of simulated participants, a row for each. See `rehearse`."""
     labels: tuple[str, ...] = EMOTIONS
     signalled: tuple[str, ...] = EMOTIONS
     if rehearsal.matrix:
@@ -123,11 +142,7 @@ def write_rehearsal(rehearsal: Rehearsal, output: Path) -> int:
         accuracy = np.full(len(signalled), ACCURACY if rehearsal.accuracy is None else rehearsal.accuracy)
         weights = _weights(rehearsal.bias, labels)
         model = responders(accuracy, len(labels), weights, rehearsal.elimination, rehearsal.dropout)
-    table = rehearse(model, labels, signalled, rehearsal.participants, rehearsal.seed)
-    make_folder(output.parent)
-    with writing(output) as file:
-        file.write(table.to_csv(index=False, lineterminator="\n").encode())
-    return len(table)
+    return rehearse(model, labels, signalled, rehearsal.participants, rehearsal.seed)
 
 
 def _weights(pairs: Sequence[str], labels: Sequence[str]) -> NDArray[np.float64]:
