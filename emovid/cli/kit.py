@@ -24,6 +24,7 @@ from emovid.kit.folder import open_kit
 from emovid.kit.load import load_study, start_study
 from emovid.kit.orders import Balance
 from emovid.kit.seeded_random import GUESSABLE
+from emovid.kit.update import update as update_kit
 
 KitPath = Annotated[Path, typer.Argument(metavar="KIT", help="Folder of a kit.")]
 Responses = Annotated[
@@ -79,6 +80,27 @@ def build(
     print("Serve public/ to anybody; keep private/ closed until the data are complete", file=sys.stderr)
     if made.seed < GUESSABLE:
         print("warning: this seed, and with it the key, can be guessed; omit --seed for a real study", file=sys.stderr)
+
+
+def update(
+    kit: KitPath,
+    study: Annotated[Path, typer.Argument(metavar="STUDY", help="The corrected study.yaml, or a folder with one.")],
+    quiet: Quiet = False,
+) -> None:
+    """Correct texts of a finished kit, as a new version.
+
+    Videos, orders, key and answers stay. Changes of anything else than texts are refused.
+
+    Examples: emovid study update kit/ my-study/
+    """
+    done = update_kit(load_study(study), kit)
+    if quiet:
+        return
+    if not done.changed:
+        print(f"{kit}: nothing to update; version {done.version}", file=sys.stderr)
+        return
+    print(f"{kit}: version {done.version}; changed: {', '.join(done.changed)}", file=sys.stderr)
+    print("Restart emovid study serve to show it; repeat exports to other tools", file=sys.stderr)
 
 
 class _Progress:

@@ -63,6 +63,7 @@ GROUPS = {
             Entry("simulate", "planning:simulate", "Simulate the responses of participants.", "Plan"),
             Entry("new", "kit:new", "Create a study file that follows the paper's procedure.", "Build"),
             Entry("build", "kit:build", "Build a kit: videos under random codes, orders, the key.", "Build"),
+            Entry("update", "kit:update", "Correct texts of a finished kit, as a new version.", "Build"),
             Entry("audit", "kit:audit", "Search a kit for anything that reveals an emotion to participants.", "Build"),
             Entry("export", "kit:export", "Export a kit to a survey tool, as a data set or a draft.", "Build"),
             Entry("serve", "survey:serve", "Serve a kit as a web survey until Ctrl-C.", "Run"),

@@ -11,7 +11,7 @@ from emovid.csv_writer import csv_text
 from emovid.errors import EmovidError, InputError, reason
 from emovid.kit.folder import KitFolder, set_times, write_text
 from emovid.kit.load import LoadedStudy
-from emovid.kit.manifest import json_text, manifest_of, server_keys_of
+from emovid.kit.manifest import json_text, manifest_of, read_manifest, server_keys_of
 from emovid.kit.mp4 import pad_to_equal_size
 from emovid.kit.orders import Order, presentation_orders
 from emovid.kit.seeded_random import commitment, fresh_seed, salt, shuffled
@@ -91,6 +91,7 @@ def build(
     practice, checks = _parted(loaded.study, [kit.video(item.code) for item in extras])
     videos = [kit.video(code) for code in codes]
     manifest = manifest_of(loaded.study, videos, participants, len(orders[0]), committed, practice, checks)
+    manifest = manifest.model_copy(update={"version": _version(kit) if former else 1})
     write_text(kit.map, manifest.map_yaml())
     write_text(kit.survey, json_text(server_keys_of(loaded.study)), _OWNER_ONLY)
     write_text(kit.manifest, manifest.text())
@@ -211,6 +212,11 @@ def _is_complete(video: Path, sha256: str | None, frames: int) -> bool:
     if not video.is_file():
         return False
     return file_digest(video) == sha256 if sha256 else count_frames(video) == frames
+
+
+def _version(kit: KitFolder) -> int:
+    """Return the version of the texts of a finished kit."""
+    return read_manifest(kit.manifest)[0].version if kit.manifest.is_file() else 1
 
 
 def _recorded(kit: KitFolder) -> dict[str, str]:

@@ -9,6 +9,7 @@ from emovid.atomic_io import writing
 from emovid.errors import RenderError
 
 _HEAD = 8  # bytes of the size and the name of a box
+_OFFSETS = {"stco": ">I", "co64": ">Q"}  # tables of offsets of data in the file, and the format of a number
 _CONTAINERS = ("moov", "trak", "mdia", "minf", "stbl", "dinf", "edts")
 
 
@@ -51,21 +52,65 @@ def content_size(data: bytes) -> int:
 
 
 def pad_to_equal_size(files: list[Path]) -> None:
-    """Pad files to equal size by a free box of zeros at the end, which players skip; earlier padding is replaced.
+    """Pad files to equal size by free boxes of zeros, which players skip; earlier padding is replaced.
+
+    One box at the end of moov makes the tables of frames equally large, whose sizes follow the motion; another one at
+    the end of the file makes the files equally large.
 
     Raises:
         RenderError: for a file that is not an MP4 file.
     """
-    contents = {}
-    for path in files:
-        data = path.read_bytes()
+    before = {path: path.read_bytes() for path in files}
+    bare: dict[Path, bytes] = {}
+    for path, data in before.items():
         try:
-            contents[path] = len(data), content_size(data)
+            bare[path] = _with_moov_padding(data[: content_size(data)], 0)
         except ValueError as error:
             raise RenderError(f"{path}: not an MP4 file: {error}") from None
-    size = max(content for _, content in contents.values()) + _HEAD
-    for path, (whole, content) in contents.items():
-        if whole != size:
-            data = path.read_bytes()[:content]
+    largest = max(map(moov_size, bare.values())) + _HEAD
+    padded = {path: _with_moov_padding(data, largest - moov_size(data)) for path, data in bare.items()}
+    size = max(map(len, padded.values())) + _HEAD
+    for path, data in padded.items():
+        whole = data + _free(size - len(data))
+        if whole != before[path]:
             with writing(path) as file:
-                file.write(data + struct.pack(">I4s", size - content, b"free") + bytes(size - content - _HEAD))
+                file.write(whole)
+
+
+def moov_size(data: bytes) -> int:
+    """Return the size of the box of tables, moov [bytes]; 0 without one. Raises ValueError as `boxes`."""
+    return next((_HEAD + len(box.body) for box in boxes(data) if box.kind == "moov"), 0)
+
+
+def _free(size: int) -> bytes:
+    return struct.pack(">I4s", size, b"free") + bytes(size - _HEAD) if size else b""
+
+
+def _with_moov_padding(data: bytes, padding: int) -> bytes:
+    """Return a file whose moov box ends in a free box of so many bytes (0: none), in place of an earlier one."""
+    parts = list(boxes(data))
+    moov = next((box for box in parts if box.kind == "moov"), None)
+    if moov is None:
+        return data
+    start, end = moov.start, moov.start + _HEAD + len(moov.body)
+    old = next(
+        (b for b in parts if b.kind == "free" and start < b.start and b.start + _HEAD + len(b.body) == end), None
+    )
+    kept = data[start + _HEAD : old.start if old else end]
+    body = kept + _free(padding)
+    head = struct.pack(">I4s", _HEAD + len(body), b"moov")
+    whole = bytearray(data[:start] + head + body + data[end:])
+    shift = len(whole) - len(data)
+    for box in parts:  # tables of offsets, in the part of moov that stays
+        if box.kind in _OFFSETS and box.start < start + _HEAD + len(kept):
+            _shift(whole, box, end, shift)
+    return bytes(whole)
+
+
+def _shift(data: bytearray, table: Box, after: int, shift: int) -> None:
+    """Move the offsets of a table that point behind a place."""
+    number, first = struct.Struct(_OFFSETS[table.kind]), table.start + _HEAD + 8
+    (count,) = struct.unpack_from(">I", table.body, 4)
+    for place in range(first, first + number.size * count, number.size):
+        (offset,) = number.unpack_from(data, place)
+        number.pack_into(data, place, offset + shift if offset >= after else offset)

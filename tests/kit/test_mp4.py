@@ -3,7 +3,9 @@ import struct
 import pytest
 
 from emovid.errors import RenderError
-from emovid.kit.mp4 import boxes, content_size, pad_to_equal_size
+from emovid.kit.mp4 import boxes, content_size, moov_size, pad_to_equal_size
+from emovid.video.ffmpeg import count_frames
+from tests.helpers.small_survey import small_kit
 
 
 def box(kind: bytes, body: bytes = b"") -> bytes:
@@ -49,3 +51,14 @@ def test_files_are_made_equally_long_and_stay_so(tmp_path) -> None:
     long.write_bytes(b"none")
     with pytest.raises(RenderError, match=r"long\.mp4: not an MP4 file: no box at byte 0"):
         pad_to_equal_size([short, long])
+
+
+def test_tables_of_frames_get_equal_sizes_and_every_frame_stays(tmp_path) -> None:
+    kit = small_kit(tmp_path)
+    videos = sorted((kit / "public" / "videos").iterdir())
+    assert len({moov_size(video.read_bytes()) for video in videos}) == 1
+    assert len({video.stat().st_size for video in videos}) == 1
+    before = {video: (video.read_bytes(), count_frames(video)) for video in videos}
+    assert {frames for _, frames in before.values()} == {5}
+    pad_to_equal_size(videos)  # a repetition changes nothing
+    assert {video: video.read_bytes() for video in videos} == {video: data for video, (data, _) in before.items()}

@@ -3,6 +3,7 @@
 import csv
 import io
 import re
+import sqlite3
 from collections.abc import Callable
 
 import pytest
@@ -13,7 +14,7 @@ from emovid.kit.texts import TRANSLATED, Texts, words_of
 from emovid.survey import codes
 from emovid.survey.app import create_app
 from emovid.survey.export import responses_csv
-from emovid.survey.store import Store
+from emovid.survey.store import Store, Withdrawal
 from tests.helpers.small_survey import STUDY, small_kit
 from tests.helpers.visitor import Clock, Visitor
 
@@ -340,4 +341,70 @@ def test_clock_that_is_put_back_between_two_runs_gives_no_negative_time(opened, 
 def test_a_clock_of_a_test_is_not_replaced(opened, tmp_path) -> None:
     store = Store(tmp_path / "own.sqlite", opened.manifest.key_commitment, Clock(5.0))
     assert store.clock() == 5.0
+    store.close()
+
+
+def test_texts_of_a_finished_kit_are_corrected_as_a_version_and_nothing_else_is(tmp_path, capsys) -> None:
+    kit = small_kit(tmp_path)
+    study = tmp_path / "study.yaml"
+    before = {path: path.read_bytes() for path in kit.rglob("*") if path.suffix in (".mp4", ".csv", ".txt")}
+    opened = open_public(kit)
+    store = Store(opened.folder.answers / "answers.sqlite", opened.manifest.key_commitment)
+    store.enroll("digest", opened.orders, opened.choices, "1", 60.0)
+    text = STUDY.replace("to its end.", "to the end.").replace("Fear", "Afraid").replace("C0MPLETE", "D0NE")
+    study.write_text(text)
+    assert main(["study", "update", str(kit), str(study)]) == 0
+    changed = "instructions, labels.fear, thanks.code"
+    told = capsys.readouterr().err
+    assert told.startswith(f"{kit}: version 2; changed: ")
+    assert sorted(told.splitlines()[0].partition("changed: ")[2].split(", ")) == changed.split(", ")
+    after = open_public(kit)
+    assert (after.manifest.version, after.manifest.instructions) == (2, "Watch each video to the end.")
+    assert after.server.complete.code == "D0NE"
+    assert {path: path.read_bytes() for path in before} == before
+    assert len(store.participants()) == 1
+    store.close()
+    assert main(["study", "update", str(kit), str(study)]) == 0
+    assert "nothing to update; version 2" in capsys.readouterr().err
+    assert main(["study", "audit", str(kit)]) == 0
+    capsys.readouterr()
+    for change, key in ((("robots: 6", "robots: 7"), "set.robots"), (("random", "fixed"), "choices")):
+        study.write_text(text.replace(*change))
+        assert main(["study", "update", str(kit), str(study)]) == 2
+        assert f"{key}: changes more than a text" in capsys.readouterr().err
+    assert open_public(kit).manifest == after.manifest
+
+
+def test_a_withdrawal_is_complete_only_when_no_log_holds_the_text(fresh, tmp_path, clock) -> None:
+    opened = open_public(fresh)
+    path = tmp_path / "held.sqlite"
+    store = Store(path, opened.manifest.key_commitment, clock, patience=0.2)
+    person = store.enroll("digest", opened.orders, opened.choices, "1", 60.0)
+    store.tell(person.id, {"country": "Liechtenstein"})
+    reader = sqlite3.connect(path, isolation_level=None)
+    reader.execute("BEGIN")
+    reader.execute("SELECT * FROM participants").fetchall()
+    assert store.withdraw("digest") is Withdrawal.PENDING
+    assert store.has_withdrawn("digest")
+    reader.execute("ROLLBACK")
+    assert store.withdraw("digest") is Withdrawal.DELETED
+    files = [file.read_bytes() for file in tmp_path.glob("held.sqlite*")]
+    assert b"Liechtenstein" not in b"".join(files)
+    reader.close()
+    store.close()
+
+
+def test_what_a_reader_kept_is_erased_by_the_next_record(fresh, tmp_path, clock) -> None:
+    opened = open_public(fresh)
+    path = tmp_path / "held.sqlite"
+    store = Store(path, opened.manifest.key_commitment, clock, patience=0.2)
+    person = store.enroll("digest", opened.orders, opened.choices, "1", 60.0)
+    store.tell(person.id, {"country": "Liechtenstein"})
+    reader = sqlite3.connect(path, isolation_level=None)
+    reader.execute("BEGIN")
+    reader.execute("SELECT * FROM participants").fetchall()
+    assert store.withdraw("digest") is Withdrawal.PENDING
+    reader.close()
+    store.enroll("another", opened.orders, opened.choices, "1", 60.0)
+    assert b"Liechtenstein" not in b"".join(file.read_bytes() for file in tmp_path.glob("held.sqlite*"))
     store.close()
