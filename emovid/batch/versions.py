@@ -1,4 +1,4 @@
-"""Versions of everything that a result depends on: packages, ffmpeg, and our own code as it was imported."""
+"""Versions of everything that a result depends on: packages, ffmpeg, arithmetic, our code as it was imported."""
 
 import hashlib
 import platform
@@ -8,6 +8,8 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Literal
+
+import numpy as np
 
 from emovid.errors import EmovidError
 from emovid.video.ffmpeg import version as ffmpeg_version
@@ -38,7 +40,9 @@ class OtherVersionsError(EmovidError):
 
 
 def versions(only: RecordKind) -> dict[str, str]:
-    """Return the versions that decide a kind of result, in this process; `code` is a digest of our own modules.
+    """Return the versions that decide a kind of result, in this process.
+
+    `code` is a digest of our own modules, `arithmetic` one of results that depend on the processor.
 
     Raises:
         EmovidError: if a module was edited near its import, so that nobody knows which code runs.
@@ -46,6 +50,7 @@ def versions(only: RecordKind) -> dict[str, str]:
     return {
         **{name: _package_version(name) for name in ("emovid", *_PACKAGES[only])},
         **({"ffmpeg": ffmpeg_version()} if only == "video" else {}),
+        **({"arithmetic": _arithmetic()} if only != "sheet" else {}),
         "machine": platform.machine(),
         "code": _SOURCES.digest(_MODULES[only]),
     }
@@ -71,6 +76,20 @@ def _package_version(name: str) -> str:
 @cache
 def _installed_version(name: str) -> str:
     return version(name)
+
+
+@cache
+def _arithmetic() -> str:
+    """Return a digest of the results of functions whose last digit depends on the processor or on numpy's settings.
+
+    Motions depend on these functions and on no others of this kind: products by BLAS, which differ most, are not used.
+    """
+    x = np.linspace(-3.0, 3.0, 4099)
+    y = x[::-1] + 0.05
+    z = x + 1j * y
+    parts = [np.sin(x), np.cos(x), np.exp(x), np.log(np.abs(y)), np.hypot(x, y), np.arctan2(x, y), np.sqrt(x * x)]
+    parts += [np.abs(x) ** 1.7, np.abs(z), z * (z[::-1] + x), np.exp(1j * x)]
+    return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()[:8]
 
 
 class _Sources:

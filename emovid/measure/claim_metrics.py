@@ -96,7 +96,7 @@ def speeds_in_a_second(trajectory: Trajectory) -> tuple[float, float]:
 def reverse_share(trajectory: Trajectory) -> float:
     """Return the share of the robots' time in which they drive backwards."""
     v, seconds = trajectory.commands[..., 0], np.diff(trajectory.t)
-    return float(seconds @ (v < -_BACKWARDS * np.abs(v).max()).mean(axis=1) / seconds.sum())
+    return float((seconds * (v < -_BACKWARDS * np.abs(v).max()).mean(axis=1)).sum() / seconds.sum())
 
 
 def ripple_share(points: Array) -> float:

@@ -65,7 +65,7 @@ def speed(window: Window) -> dict[str, float]:
     v, seconds = np.abs(window.trajectory.commands[held, :, 0]), seconds[held]
     weights = np.broadcast_to((seconds / seconds.sum())[:, None], v.shape) / v.shape[1]
     values = (float(np.sum(v * weights)), quantile(v.ravel(), weights.ravel(), 0.95), float(v.max()))
-    return _speeds(window, values, float((seconds @ v).mean()))
+    return _speeds(window, values, float((seconds[:, None] * v).sum(axis=0).mean()))
 
 
 def _speeds(window: Window, values: tuple[float, float, float], distance: float) -> dict[str, float]:

@@ -144,7 +144,7 @@ def series_values(name: str, times: Array, values: Array) -> dict[str, float]:
     """Return the values of the descriptors of `series`, from `values` (F,) at even `times` (F,) [s]."""
     mean = float(values.mean())
     since = times - times.mean()
-    slope = float(since @ values / (since @ since))
+    slope = float((since * values).sum() / (since * since).sum())
     return {
         f"{name}_mean": mean,
         f"{name}_start": float(values[0]),

@@ -171,7 +171,7 @@ def _rows(poses: Array, motors: _Motors, stage: Stage, spacing: float, gamma: fl
     distance = np.hypot(apart[:, 0], apart[:, 1])
     n = apart / np.where(distance > 0, distance, 1.0)[:, None]
     edges = np.array(stage.edges)
-    room = edges[:, 2] - middles @ edges[:, :2].T - spacing / 2  # (N, C)
+    room = edges[:, 2] - np.einsum("ni,ci->nc", middles, edges[:, :2]) - spacing / 2  # (N, C)
     robot, edge = np.nonzero(gamma * room < motors.reach)
     walls = motors.along(poses[robot, 2], edges[edge, :2])
     return _Rows(

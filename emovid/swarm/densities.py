@@ -184,7 +184,8 @@ def _image(density: Image, stage: Stage) -> Density:
     def phi(x: Array, y: Array) -> Array:
         along_x = np.exp(factor * (x.reshape(-1, 1) - x_peaks) ** 2)
         along_y = np.exp(factor * (y.reshape(-1, 1) - y_peaks) ** 2)
-        return np.sum(along_x @ weights * along_y, axis=1).reshape(x.shape)
+        # In a fixed order; products by BLAS differ between processors.
+        return np.sum(np.einsum("kx,xy->ky", along_x, weights) * along_y, axis=1).reshape(x.shape)
 
     return Density(phi, density.smoothing)
 
@@ -203,7 +204,8 @@ def picture_peaks(density: Image, stage: Stage) -> tuple[Array, Array, Array]:
     grey = np.frombuffer(picture.values, np.uint8).reshape(picture.height, picture.width)
     dark = 1 - grey[::-1].T / 255  # x, then y upwards
     columns, rows = (int(np.ceil(extent / density.smoothing)) for extent in (right - left, top - bottom))
-    cells = _averaging(columns, picture.width) @ dark @ _averaging(rows, picture.height).T
+    across = np.einsum("cx,xy->cy", _averaging(columns, picture.width), dark)
+    cells = np.einsum("cy,ry->cr", across, _averaging(rows, picture.height))
     area = (right - left) / columns * (top - bottom) / rows
     weights = np.pad(cells, _BEYOND, mode="edge") * area / (2 * np.pi * density.smoothing**2)
     return weights, _middles(left, right, columns), _middles(bottom, top, rows)

@@ -141,7 +141,7 @@ def lloyd(points: Array, corners: Array, density: Density, *, gain: float, steps
     """
     for _ in range(steps):
         mass, centroid = mass_and_centroid(points, corners, density)
-        if mass @ np.sum((centroid - points) ** 2, axis=1) < gain * mass.sum():  # the parallel axis theorem
+        if (mass * np.sum((centroid - points) ** 2, axis=1)).sum() < gain * mass.sum():  # the parallel axis theorem
             break
         points = centroid
     return points

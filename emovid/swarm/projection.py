@@ -24,14 +24,14 @@ def nearest_within(point: Array, A: Array, b: Array) -> Array | None:
         b: their offsets (m,).
     """
     length = np.sqrt(np.sum(A * A, axis=1))
-    missing = (A @ point - b) / length  # distance of the point outside each half-space
+    missing = (np.einsum("mn,n->m", A, point) - b) / length  # distance of the point outside each half-space
     if missing.max(initial=0.0) <= 0:
         return point
     columns = np.vstack([-(A / length[:, None]).T, missing])
     target = np.zeros(len(columns))
     target[-1] = 1.0
     weights, _ = nnls(columns, target, maxiter=100 * len(A))
-    residual = target - columns @ weights
+    residual = target - np.einsum("nm,m->n", columns, weights)
     if residual[-1] < _EMPTY:
         return None
     step: Array = residual[:-1] / -residual[-1]

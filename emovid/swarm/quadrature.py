@@ -23,6 +23,7 @@ from emovid.swarm.voronoi import Fans
 _NODES = (2, 3, 5, 8, 12, 16, 20)
 _CHANGE = np.array([0.02, 0.1, 0.8, 2.9, 10.0, 30.0, 50.0])
 _LEAST = np.finfo(float).tiny  # densities below have lost digits
+_DIGITS = 12  # of nodes and weights: LAPACK gives further ones that differ between processors
 _BLOCK = 1 << 14  # nodes at a time: what a cache holds
 
 
@@ -72,8 +73,9 @@ def _integrals(fans: Fans, density: Density, degree: int) -> tuple[_Triangles, A
         block = _BLOCK // len(nodes)
         for start in range(first, end, block):
             some = slice(start, min(start + block, end))
-            x, y = nodes @ axes[..., some]
-            integrals[:, some] = weights[: len(integrals)] @ density.phi(x, y)
+            # einsum adds in a fixed order; products by BLAS differ between processors.
+            x, y = np.einsum("qi,jik->jqk", nodes, axes[..., some])
+            integrals[:, some] = np.einsum("iq,qk->ik", weights[: len(integrals)], density.phi(x, y))
     return triangles, integrals * (a.conj() * b).imag
 
 
@@ -115,7 +117,7 @@ def _rule(nodes: int) -> tuple[Array, Array]:
     Gauss-Jacobi along the rays from the corner, Gauss-Legendre across: exact for polynomials of degree 2 nodes - 1.
     """
     ray, ray_weights = _jacobi(nodes)
-    across, across_weights = np.polynomial.legendre.leggauss(nodes)
+    across, across_weights = (np.round(values, _DIGITS) for values in np.polynomial.legendre.leggauss(nodes))
     s, t = np.meshgrid((ray + 1) / 2, (across + 1) / 2, indexing="ij")
     u, v = (s * (1 - t)).ravel(), (s * t).ravel()
     one = np.ones_like(u)
@@ -133,4 +135,4 @@ def _jacobi(nodes: int) -> tuple[Array, Array]:
     k = np.arange(nodes, dtype=float)
     diagonal, beside = 1 / ((2 * k + 1) * (2 * k + 3)), np.sqrt(k[1:] * (k[1:] + 1)) / (2 * k[1:] + 1)
     roots, vectors = np.linalg.eigh(np.diag(diagonal) + np.diag(beside, -1))  # it reads the lower triangle
-    return roots, 2 * vectors[0] ** 2
+    return np.round(roots, _DIGITS), np.round(2 * vectors[0] ** 2, _DIGITS)
