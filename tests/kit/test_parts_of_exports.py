@@ -65,6 +65,26 @@ def test_all_videos_go_along(kit, tool) -> None:
     assert len(names) == 9
 
 
+def test_further_languages_are_not_left_out_silently(tmp_path) -> None:
+    labels = "{happiness: Freude, surprise: Staunen, anger: Wut, fear: Angst, disgust: Ekel, sadness: Trauer}"
+    german = f"""translations:
+  de:
+    title: Kleine Roboter
+    question: Welche Emotion?
+    labels: {labels}
+    questions: {{gender: {{question: Geschlecht, choices: [Frau, Mann, Anderes]}}}}
+    consent: Sie können aufhören.
+    instructions: Sehen Sie alles an.
+    thanks: Danke.
+"""
+    kit = make_kit_of_placeholders(tmp_path, STUDY + german)
+    for tool in ("psychopy", "qualtrics", "limesurvey"):
+        (part,) = (part for part in check_export(kit, tool) if part.name == "further languages")
+        assert (part.value, part.support.status) == ("de", Status.BY_HAND)
+    with pytest.raises(InputError, match=r"further languages \(de\): The page has one language"):
+        export(kit, "jspsych")
+
+
 def test_limesurvey_has_them_in_their_places(kit) -> None:
     rows = rows_of(text_of(kit, "limesurvey", "survey.txt"))
     groups = [row["name"] if row["name"] not in kit.manifest.codes else "video" for row in rows if row["class"] == "G"]

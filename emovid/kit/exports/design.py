@@ -16,6 +16,7 @@ WATCHING, REVISION, LANGUAGE = "watching to the end", "changing earlier answers"
 PRACTICE, CHECKS, AFTER = "practice video", "attention checks", "questions after the videos"
 DEBRIEFING, REQUIREMENTS = "debriefing", "devices and browsers"
 RECRUITMENT, RETURNS = "recruitment parameters", "codes for declining or failing"
+TRANSLATIONS = "further languages"
 
 
 class Status(Enum):
@@ -65,7 +66,9 @@ def missing(note: str) -> Support:
 
 def design_of(kit: Kit, limits: Limits) -> list[DesignPart]:
     """Return the parts of the design that a kit has, each with the support of a tool; carried unless in `limits`."""
-    return [DesignPart(name, value, limits.get(name, CARRIED)) for name, value in _parts(kit).items() if value]
+    other = by_hand("The export has one language. Add the others as translations in the tool.")
+    known = {TRANSLATIONS: other, **limits}
+    return [DesignPart(name, value, known.get(name, CARRIED)) for name, value in _parts(kit).items() if value]
 
 
 def listed(parts: Iterable[DesignPart]) -> str:
@@ -112,4 +115,5 @@ def _parts(kit: Kit) -> dict[str, str]:
         WATCHING: "required; videos may be repeated",
         REVISION: "until the end",
         LANGUAGE: manifest.language,
+        TRANSLATIONS: ", ".join(manifest.translations),
     }

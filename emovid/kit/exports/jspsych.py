@@ -12,6 +12,7 @@ from emovid.kit.exports.design import (
     REQUIREMENTS,
     RETURNS,
     REVISION,
+    TRANSLATIONS,
     Limits,
     by_hand,
     changed,
@@ -48,6 +49,8 @@ def limits(kit: Kit) -> Limits:
         ORDERS: changed("Without ?participant=... in the address, a row of orders.csv is chosen at random."),
         REVISION: missing("jsPsych cannot return to an earlier video."),
     }
+    if kit.manifest.translations:
+        found[TRANSLATIONS] = missing("The page has one language: export a kit for each.")
     if kit.manifest.requirements != Requirements(text=kit.manifest.requirements.text):
         found[REQUIREMENTS] = by_hand("The page does not check them; plugin-browser-check of jsPsych can.")
     return found
