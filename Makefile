@@ -1,4 +1,5 @@
 # `make all-videos` and `make test` install what they need. The other targets are for those who develop emovid.
+# Videos of edited scenes are replaced by: make all-videos FLAGS=--force
 PYTHON ?= python3
 JOBS ?= $(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
 BIN := .venv/bin
@@ -6,17 +7,17 @@ BIN := .venv/bin
 .PHONY: all-videos robotarium-videos claims-table robotarium-table figures gallery golden kit study test chaos coverage lint format bench bench-survey readme docs sensitivity validate-statistics setup clean
 
 all-videos: .venv/installed
-	$(BIN)/emovid render --all --jobs $(JOBS) -o videos
+	$(BIN)/emovid render --all --jobs $(JOBS) -o videos $(FLAGS)
 
 robotarium-videos: .venv/installed
-	$(BIN)/emovid render --all --platform robotarium --view overhead --jobs $(JOBS) -o videos/robotarium/overhead
-	$(BIN)/emovid render --all --platform robotarium --view perspective --jobs $(JOBS) -o videos/robotarium/perspective
+	$(BIN)/emovid render --all --platform robotarium --view overhead --jobs $(JOBS) -o videos/robotarium/overhead $(FLAGS)
+	$(BIN)/emovid render --all --platform robotarium --view perspective --jobs $(JOBS) -o videos/robotarium/perspective $(FLAGS)
 
 figures: .venv/installed
-	$(BIN)/emovid figures all gallery -o figures
+	$(BIN)/emovid figures all gallery -o figures --force
 
 gallery: .venv/installed
-	$(BIN)/emovid figures gallery -o figures
+	$(BIN)/emovid figures gallery -o figures --force
 
 test: .venv/dev-installed
 	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile
@@ -50,7 +51,7 @@ bench-survey: .venv/dev-installed
 readme: .venv/dev-installed
 	$(BIN)/python docs/make_architecture.py docs/pictures/architecture.svg
 	$(BIN)/python docs/make_picture.py docs/six-emotions.webp
-	$(BIN)/emovid figures anger-frames confusion-matrix --format png -o docs/pictures
+	$(BIN)/emovid figures anger-frames confusion-matrix --format png -o docs/pictures --force
 	$(BIN)/python docs/make_survey_picture.py docs/pictures/survey.png
 
 docs: .venv/dev-installed gallery

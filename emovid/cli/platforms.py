@@ -34,7 +34,8 @@ from emovid.swarm.simulate import simulate
 from emovid.workflows.outputs import STDOUT, write_outputs
 
 # The shipped scenes for each arena.
-_SCENES = {"3.2x2.0": "robotarium-today", "4.3x3.6": "robotarium"}
+_ARENA = "3.2x2.0"
+_SCENES = {_ARENA: "robotarium-today", "4.3x3.6": "robotarium"}
 
 
 def check_platform(
@@ -47,7 +48,8 @@ def check_platform(
     """Check whether a testbed can run a scene.
 
     Simulates the scene and checks the run against the rules, the arena and the motors of the testbed; exit with 1 if a
-    check fails. A file is checked as it is; an emotion stands for its scene for the platform, robotarium by default.
+    check fails. A file is checked as it is; an emotion stands for its scene for the platform. The default platform is
+    robotarium-today.
 
     Examples: emovid check-platform anger · emovid check-platform my.yaml --platform robotarium-today
     """
@@ -70,9 +72,9 @@ def check_platform(
 
 
 def _platform_of(scene: str) -> str:
-    """Return the platform in the name of a shipped scene, or else the paper's."""
+    """Return the platform in the name of a shipped scene, or else that of today, as for `emovid export`."""
     before = scene.partition("/")[0]
-    return before if before in PLATFORMS else PLATFORMS[0]
+    return before if before in PLATFORMS else _SCENES[_ARENA]
 
 
 def robotarium(
@@ -90,7 +92,7 @@ def robotarium(
         typer.Option(
             help="3.2x2.0 m as today, or 4.3x3.6 m as in the paper.", autocompletion=completion.words(*_SCENES)
         ),
-    ] = "3.2x2.0",
+    ] = _ARENA,
     trails: Annotated[
         bool, typer.Option("--trails", help="Draw the scene's trails, which the testbed projects on its floor.")
     ] = False,

@@ -14,17 +14,29 @@ import typer
 from emovid.batch.results import TABLE
 from emovid.batch.sweep import Items, shard_of
 from emovid.batch.sweep_file import find_sweep, read_sweep
+from emovid.cli import completion
 from emovid.cli.options import Force, Jobs, Json, Quiet, output_folder
 from emovid.cli.terminal import raise_failures, reporter
+from emovid.scene.resources import CONFIGS
 from emovid.workflows.sweeps import Step, SweepOutcome, SweepRun, check_output, plan_sweep, run_sweep
 
 FOLDER = "sweeps"
 
 
+def _sweeps(incomplete: str) -> list[str]:
+    """Return the matching shipped sweeps, sweep files and plans."""
+    shipped = [path.stem for path in sorted((CONFIGS / "sweeps").glob("*.yaml"))]
+    return completion.starting(incomplete, shipped) + completion.files(incomplete, ".yaml", ".yml", ".json")
+
+
 def sweep(
     file: Annotated[
         Path,
-        typer.Argument(metavar="SWEEP", help="Sweep file, plan.json of another run, or name of a shipped sweep."),
+        typer.Argument(
+            metavar="SWEEP",
+            help="Sweep file, plan.json of another run, or name of a shipped sweep.",
+            autocompletion=_sweeps,
+        ),
     ],
     output: Annotated[
         Path | None,

@@ -301,6 +301,8 @@ def folder(tmp_path_factory) -> Path:
         ("emovid figures dens", ["densities"]),
         ("emovid figures frames an", ["anger-frames", "anger", "angles.yaml"]),
         ("emovid study export kit --to ps", ["psychopy", "psych-ds"]),
+        ("emovid sweep lo", ["look_ahead_and_gain"]),
+        ("emovid sweep an", ["angles.yaml"]),
     ],
 )
 def test_a_shell_completes(folder, line, expected) -> None:

@@ -106,7 +106,7 @@ def test_wall_distance_is_the_least_along_the_arcs() -> None:
 def test_command_reports_and_exits_by_what_it_finds(capsys) -> None:
     assert main(["check-platform", "sadness", "--set", "duration=2", "--set", "snapshots=[0, 1]"]) == 0
     said = capsys.readouterr().out
-    assert said.startswith("robotarium/sadness on robotarium\n")
+    assert said.startswith("robotarium-today/sadness on robotarium-today\n")
     assert said.endswith("can run there\n")
     assert re.search(r"^  holds  duration: +2 s \(expected at most 900 s\)$", said, re.MULTILINE)
     settings = ["--set", "duration=2", "--set", "snapshots=null", "--set", "robot.limits={wheel_max: 0.3}"]
@@ -117,7 +117,7 @@ def test_command_reports_and_exits_by_what_it_finds(capsys) -> None:
 @pytest.mark.parametrize(
     ("arguments", "name", "failed"),
     [
-        (["sadness"], "robotarium/sadness", []),
+        (["sadness"], "robotarium-today/sadness", []),
         (["robotarium-today/anger", "--set", "robot.limits={wheel_max: 0.3}"], None, ["fastest wheel"]),
     ],
 )
