@@ -9,6 +9,7 @@ from typing import Any
 
 import matplotlib
 import numpy as np
+from fontTools.subset import Options
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
@@ -54,6 +55,7 @@ _STYLE: Any = {
 _LEFT_OUT = {"pdf": "CreationDate", "png": "Software", "svg": "Date"}
 _EPS_DATE = re.compile(rb"^%%CreationDate: [^\n]*\n", re.MULTILINE)  # the EPS backend always writes it
 FORMATS = (*_LEFT_OUT, "eps")
+_LAYOUT_TABLES = ("GSUB", "GPOS", "GDEF", "kern")  # of fonts
 
 
 @contextmanager
@@ -73,8 +75,23 @@ def encoded(figure: Figure, format: str) -> bytes:
     if format == "eps":
         figure.savefig(buffer, format=format)
         return _EPS_DATE.sub(b"", buffer.getvalue(), count=1)
-    figure.savefig(buffer, format=format, metadata={_LEFT_OUT[format]: None})
+    with _fonts_without_layout():
+        figure.savefig(buffer, format=format, metadata={_LEFT_OUT[format]: None})
     return buffer.getvalue()
+
+
+@contextmanager
+def _fonts_without_layout() -> Iterator[None]:
+    """Embed fonts in PDFs without tables for shaping text: glyphs stand where matplotlib puts them.
+
+    Reading these tables, which the default subset keeps, takes a quarter of the time of a study's figures.
+    """
+    tables = Options._drop_tables_default
+    Options._drop_tables_default = [*tables, *_LAYOUT_TABLES]
+    try:
+        yield
+    finally:
+        Options._drop_tables_default = tables
 
 
 def save(figure: Figure, path: Path) -> None:
