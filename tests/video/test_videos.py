@@ -47,7 +47,7 @@ def test_every_frame_decodes_and_is_the_one_that_was_drawn(video) -> None:
     for k in wanted:
         others = [n for n in (k - 3, k, k + 3) if 0 <= n < FRAMES]  # sadness needs three frames for a pixel
         error = {n: np.abs(luma(frames[k]) - luma(painter.frame(n / FPS))).mean() for n in others}
-        assert error[k] < 1.0, k  # rounding to 8-bit YUV, and crf 16
+        assert error[k] < 1.0, k  # rounding to 8-bit YUV, and quantizer 24
         assert min(error, key=error.__getitem__) == k, error  # no frame early or late
     colours = frames[0][[5, 40], WIDTH // 2].astype(int)
     assert colours == pytest.approx(np.array([[0xE3, 0xE4, 0xE8], [0xFA, 0xFA, 0xF7]]), abs=2)
