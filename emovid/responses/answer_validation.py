@@ -86,10 +86,13 @@ def _repeated(
 ) -> Mask:
     """Return the answers (True) that repeat an earlier one, or are followed by a later one if the last counts."""
     videos = pd.factorize(codes)[0]
-    order = np.lexsort((answers["line"].to_numpy(), answers["file"].to_numpy(), _order(answers)))
-    pairs = pd.Series(people * (int(videos.max(initial=0)) + 1) + videos)[order]
-    keep = "last" if known.mapping.repeats == "last" else "first"
+    places = people * (int(videos.max(initial=0)) + 1) + videos
     again = np.zeros(len(answers), dtype=bool)
+    if len(pd.unique(places[valid])) == valid.sum():
+        return again
+    order = np.lexsort((answers["line"].to_numpy(), answers["file"].to_numpy(), _order(answers)))
+    pairs = pd.Series(places)[order]
+    keep = "last" if known.mapping.repeats == "last" else "first"
     usable = valid[order]
     again[order[usable]] = pairs[usable].duplicated(keep=keep).to_numpy()
     count, total = int(again.sum()), int(valid.sum())
@@ -126,12 +129,14 @@ def _is_python_none(texts: "pd.Series[str]", labels: Labels) -> Mask:
 
 def _synonyms(texts: "pd.Series[str]", labels: "pd.Series[str]", known: Labels) -> tuple[Synonym, ...]:
     """Return the texts that are not the label that they count as, in the order of labels and counts."""
-    pairs = pd.DataFrame({"text": texts.to_numpy(), "label": labels.to_numpy()}).value_counts()
+    places, words = pd.factorize(texts)
+    firsts = pd.Series(labels.to_numpy()).groupby(places).first()
+    counts = np.bincount(places, minlength=len(words))
     order = (*known.signalled, NONE)
     found = [
-        Synonym(str(text), str(label), int(count), known.is_declared(str(text)))
-        for (text, label), count in pairs.items()
-        if plain(str(text)) != plain(str(label))
+        Synonym(str(word), str(firsts[i]), int(counts[i]), known.is_declared(str(word)))
+        for i, word in enumerate(words)
+        if plain(str(word)) != plain(str(firsts[i]))
     ]
     return tuple(sorted(found, key=lambda one: (order.index(one.label), -one.count, one.text)))
 

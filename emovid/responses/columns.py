@@ -296,9 +296,9 @@ class _Evidence:
     def _is_constant(self, labels: Codes, groups: Codes) -> bool:
         """Return whether each group has one label, and rows beyond the first of a group confirm it."""
         filled = (labels >= 0) & (groups >= 0) & (self.videos >= 0)
-        pairs = np.unique(np.column_stack([groups[filled], labels[filled]]), axis=0)
-        of_groups = len(np.unique(groups[filled]))
-        return bool(len(pairs) == of_groups and filled.sum() - of_groups >= _FEWEST)
+        of_groups = len(pd.unique(groups[filled]))
+        pairs = len(pd.unique(groups[filled] * (int(labels.max(initial=0)) + 1) + labels[filled]))
+        return bool(pairs == of_groups and filled.sum() - of_groups >= _FEWEST)
 
 
 def label_columns(table: Table, known: Known, video: int, person: int | None) -> tuple[dict[int, str], list[int]]:

@@ -17,6 +17,7 @@ from emovid.responses.dialects.pcibex import is_pcibex, pcibex_table
 from emovid.responses.results_files import is_of_analysis, is_results
 
 WORKBOOKS = (".xlsx", ".xlsm", ".xls", ".ods")
+_START = 20_000  # bytes that tell the format
 _EPRIME_PATH = re.compile(rb"[^\t\n]*\.(emrg|edat|mrg)\d?\"?\s*\n", re.IGNORECASE)
 
 
@@ -45,13 +46,13 @@ def split_sheet(path: Path) -> tuple[Path, str]:
 
 
 def _text(data: bytes, file: str) -> Table:
-    if utf8(data[:100], file).lstrip()[:1] in (b"[", b"{"):
+    start = utf8(data[:_START], file)
+    if start.lstrip()[:1] in (b"[", b"{"):
         return json_table(data, file)
-    text = utf8(data, file)
-    if is_pcibex(text):
-        return pcibex_table(text.decode(), file)
-    above = _EPRIME_PATH.match(text)  # E-DataAid writes the path of the data file above the header
-    return read_table(b"\n" + text[above.end() :] if above else data, file)
+    if is_pcibex(start):
+        return pcibex_table(utf8(data, file).decode(), file)
+    above = _EPRIME_PATH.match(start)  # E-DataAid writes the path of the data file above the header
+    return read_table(b"\n" + utf8(data, file)[above.end() :] if above else data, file)
 
 
 def _workbook(data: bytes, path: Path, sheet: str) -> Table:

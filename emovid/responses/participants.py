@@ -43,7 +43,7 @@ _FILLED = 0.9  # of the rows: smallest share that a column of participants fills
 _REPEATED = 0.1  # of the rows: largest share of answers that were sent again
 _SEVERAL = 0.5  # of the rows: smallest share that belongs to participants with several rows
 _SHOWN = 4  # names in a message
-_DAMAGED = re.compile(r"[+-]?\d([.,]\d+)?E\+?\d{2,}")  # a long number as spreadsheets show and save it
+_DAMAGED = re.compile(r"[+-]?\d([.,]\d+)?[Ee]\+?\d{2,}")  # a long number as spreadsheets show and save it
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,8 +124,9 @@ def _by_file(table: Table, known: Known, note: str = "") -> People:
 
 def _check_ids(table: Table, place: int) -> None:
     cells = table.cells[place]
-    damaged = cells.str.fullmatch(_DAMAGED.pattern, flags=re.IGNORECASE).to_numpy(dtype=bool)
-    if damaged.any():
+    words = [word for word in cells.unique() if _DAMAGED.fullmatch(str(word))]
+    if words:
+        damaged = cells.isin(words).to_numpy(dtype=bool)
         line = int(table.lines[damaged][0])
         message = (
             f"{quoted(str(cells[damaged].iloc[0]))} in {int(damaged.sum())} rows: a spreadsheet has shortened the ids; "
