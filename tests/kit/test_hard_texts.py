@@ -12,7 +12,8 @@ from emovid.kit.checks.texts import check_pages
 from emovid.kit.export import TOOLS, export
 from emovid.kit.folder import Kit
 from emovid.responses.mapping import read_mapping
-from tests.helpers.limesurvey import rows_of, seen
+from emovid.responses.read import read_responses
+from tests.helpers.limesurvey import answers_text, rows_of, seen
 from tests.helpers.tiny import STUDY, make_kit_of_placeholders
 
 TEXTS = {
@@ -99,3 +100,20 @@ def test_psychopy_s_readme_has_texts_as_written(kit) -> None:
 def test_maps_have_every_text(kit, tool) -> None:
     said = read_mapping(exported(kit, tool, "map.yaml"))
     assert {text: said.answers[text] for text in TEXTS.values()} == {text: label for label, text in TEXTS.items()}
+
+
+@pytest.mark.parametrize("headings", ["code", "full", "codetext"])
+def test_full_answers_of_limesurvey_are_read(kit, tmp_path, headings) -> None:
+    rows = rows_of(exported(kit, "limesurvey", "survey.txt").read_text(encoding="utf-8"))
+    codes = kit.manifest.codes
+    people = [
+        {"consent": "Y", "aU1": "A1"} | {code: f"A{(i + k) % 6 + 1}" for k, code in enumerate(codes)} for i in range(6)
+    ]
+    source = tmp_path / "export.csv"
+    source.write_text(answers_text(rows, people, headings, full=True), encoding="utf-8")
+    found = read_responses(source, key=kit.folder.key, mapping=exported(kit, "limesurvey", "map.yaml"))
+    labels = list(TEXTS)
+    expected = {(code, labels[int(person[code][1:]) - 1]) for person in people for code in codes}
+    assert set(zip(found.answers["video"], found.answers["perceived"], strict=True)) == expected
+    assert len(found.answers) == 6 * len(codes)
+    assert set(found.participants["a_1"]) == {'"1"'}
