@@ -1,8 +1,8 @@
-"""Reconstruct who may have answered what in the study of Santos and Egerstedt (2021).
+"""Reconstruct possible answers of single participants in the study of Santos and Egerstedt (2021).
 
-Published are the answers to each video (Table III), the sizes of the groups, and what the tests found in each of them.
-A seeded local search deals the published answers out to participants until everything that was published holds: one
-of very many ways, and not what the participants really answered. Usage: python reconstruct.py [responses.csv]
+The paper has the answers to each video (Table III), the sizes of the groups, and results of tests in each group. A
+seeded local search assigns the published answers to participants until all published facts hold. This is one of very
+many possibilities, and not what the participants answered. Usage: python reconstruct.py [responses.csv]
 """
 
 import csv
@@ -18,25 +18,25 @@ Codes = NDArray[np.int64]
 
 HERE = Path(__file__).parent
 SEED = 1938
-STEPS = 20_000  # per video; a few hundred do
+STEPS = 20_000  # for each video; a few hundred suffice
 GROUPS = {
     "gender": {"female": 13, "male": 32},
     "robotics_background": {"yes": 16, "no": 29},
     "age": {"18-24": 14, "25-34": 27, "35-44": 3, "45-54": 1},
 }
 CHANCE = 1 / 6
-# p lies in [low, high) in each group for each video ...
+# p is in [low, high) in each group for each video, ...
 P_BOUNDS = {"female": (0.0, 0.01), "male": (0.0, 0.05), "yes": (0.0, 0.01), "no": (0.0, 0.01)}
-# ... but where the paper names another level. That men reach only p < 0.05 somewhere is published, that they do so
-# for fear is our choice: their accuracy is lowest there.
+# ... except where the paper has another level. It reports that men reach only p < 0.05 for some video; we chose fear,
+# where their accuracy is lowest.
 P_EXCEPTIONS = {
     ("yes", "fear"): (0.01, 0.05),
     ("yes", "disgust"): (0.05, 0.1),
     ("male", "fear"): (0.01, 0.05),
 }
-LESS_WITH_BACKGROUND = ("fear", "disgust")  # the other videos are recognised by more than half of both backgrounds
-# Our reading of "no substantial difference" between the backgrounds: accuracies less than this apart, and Fisher's
-# exact test of the hits above that level.
+LESS_WITH_BACKGROUND = ("fear", "disgust")  # more than half of both groups recognize the other videos
+# Our interpretation of "no substantial difference" between the backgrounds: accuracies less than LESS_APART apart, and
+# a p of Fisher's exact test of the hits above FISHER_P.
 LESS_APART = 0.1
 FISHER_P = 0.05
 
