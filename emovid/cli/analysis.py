@@ -109,6 +109,8 @@ def _show(analysis: Analysis, output: Path) -> None:
     results = analysis.results
     if analysis.responses is not None:
         _show_reading(analysis.responses)
+    if results.flow is not None and results.flow.origin != "participants":
+        typer.echo(f"{results.flow.origin.upper()}: these are not the answers of real participants")
     matrix = Table("response (%)", *results.emotions, box=box.SIMPLE, title="signaled emotion")
     for label, row in zip(results.labels, results.percent, strict=True):
         matrix.add_row(label, *("" if isnan(share) else f"{share:.2f}" for share in row))

@@ -99,7 +99,7 @@ def plan(
 
 def simulate(
     output: Annotated[Path, typer.Option("--output", "-o", help="The CSV to write; - prints it.")] = Path(
-        "responses.csv"
+        "simulated.csv"
     ),
     participants: Annotated[
         int,
@@ -135,9 +135,10 @@ def simulate(
 ) -> None:
     """Simulate the responses of participants.
 
-    The table rehearses the analysis of a study before anyone takes part.
+    The table rehearses the analysis of a study before anyone takes part. Each row is marked as simulated, and so is
+    everything that is made from it.
 
-    Examples: emovid study simulate -o responses.csv --participants 60 · emovid study simulate --bias anger=2
+    Examples: emovid study simulate --participants 60 · emovid study simulate --bias anger=2
     """
     if output != STDOUT:
         check_file(output, f"-o {output}")

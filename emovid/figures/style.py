@@ -55,6 +55,7 @@ _STYLE: Any = {
 _LEFT_OUT = {"pdf": "CreationDate", "png": "Software", "svg": "Date"}
 _EPS_DATE = re.compile(rb"^%%CreationDate: [^\n]*\n", re.MULTILINE)  # the EPS backend always writes it
 FORMATS = (*_LEFT_OUT, "eps")
+_SUBJECTS = {"pdf": "Subject", "png": "Description", "svg": "Description"}
 _LAYOUT_TABLES = ("GSUB", "GPOS", "GDEF", "kern")  # of fonts
 
 
@@ -69,14 +70,15 @@ def in_style() -> Iterator[None]:
 
 @in_style()
 @held_signals()  # matplotlib's compiled parts would turn the exception of a signal into an error of their own
-def encoded(figure: Figure, format: str) -> bytes:
-    """Return a figure as a file of the format: pdf, png (300 dpi), svg or eps."""
+def encoded(figure: Figure, format: str, subject: str = "") -> bytes:
+    """Return a figure as a file of the format: pdf, png (300 dpi), svg or eps; a subject stands in its metadata."""
     buffer = BytesIO()
     if format == "eps":
         figure.savefig(buffer, format=format)
         return _EPS_DATE.sub(b"", buffer.getvalue(), count=1)
     with _fonts_without_layout():
-        figure.savefig(buffer, format=format, metadata={_LEFT_OUT[format]: None})
+        metadata = {_LEFT_OUT[format]: None} | ({_SUBJECTS[format]: subject} if subject else {})
+        figure.savefig(buffer, format=format, metadata=metadata)
     return buffer.getvalue()
 
 

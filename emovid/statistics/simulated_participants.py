@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 Probabilities = NDArray[np.float64]
 
+SIMULATED = "simulated"  # the mode of every row, by which an analysis knows them
 _CALIBRATION = 20_000  # participants who eliminate; the standard error of their hit rates is at most 0.004
 _ROUNDS = 8
 
@@ -68,7 +69,7 @@ def _with_hits(probabilities: Probabilities, accuracy: Probabilities) -> Probabi
 def rehearse(
     model: Responders, labels: Sequence[str], signalled: Sequence[str], participants: int, seed: int
 ) -> pd.DataFrame:
-    """Return the answers of simulated participants: a row for each answer, with participant, video, position, response.
+    """Return the answers of simulated participants: a row for each answer, which its mode marks as simulated.
 
     Each participant sees the videos in an order of their own. Who eliminates chooses, one video after the other, among
     the labels not given yet. Right answers get lost that way, since their labels may be gone; so the probabilities of
@@ -100,6 +101,7 @@ def rehearse(
             "video": np.array(signalled, dtype=object)[orders[stays]],
             "position": position + 1,
             "response": np.array(labels, dtype=object)[answers[stays]],
+            "mode": SIMULATED,
         }
     )
 

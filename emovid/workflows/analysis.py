@@ -70,11 +70,15 @@ def write_analysis(analysis: Analysis, output: Path) -> str:
         InputError: if one of the files exists and no analysis wrote it.
     """
     figures = study_figures(figure_data(analysis.results))
-    pictures = {name: (caption, encoded(figure, "svg")) for name, (caption, figure) in figures.items()}
+    flow = analysis.results.flow
+    origin = "" if flow is None or flow.origin == "participants" else flow.origin.upper()
+    pictures = {name: (caption, encoded(figure, "svg", origin)) for name, (caption, figure) in figures.items()}
     texts = result_files(analysis.results, analysis.responses)
     texts["report.html"] = report_html(analysis.results, analysis.responses, pictures)
     files = {name: text.encode() for name, text in texts.items()}
-    files |= {f"{name}.{kind}": encoded(figure, kind) for name, (_, figure) in figures.items() for kind in _PRINTED}
+    files |= {
+        f"{name}.{kind}": encoded(figure, kind, origin) for name, (_, figure) in figures.items() for kind in _PRINTED
+    }
     files[WRITTEN] = list_of_files(files)
     _remove_former(output, files)
     make_folder(output)

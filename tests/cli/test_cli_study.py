@@ -289,6 +289,20 @@ def test_groups_are_compared_in_a_mixed_model(tmp_path, capsys) -> None:
     assert capsys.readouterr().err == "gender: one level, f; a model compares two or more\n"
 
 
+def test_simulated_answers_are_marked_wherever_they_go(tmp_path, capsys) -> None:
+    assert main(["study", "simulate", "--participants", "12", "-q"]) == 0
+    assert {line.rpartition(",")[2] for line in (tmp_path / "simulated.csv").read_text().splitlines()[1:]} == {
+        "simulated"
+    }
+    assert main(["study", "analyze", "simulated.csv"]) == 0
+    assert "\nSIMULATED: these are not the answers of real participants\n" in capsys.readouterr().out
+    assert json.loads((tmp_path / "results/results.json").read_text())["flow"]["origin"] == "simulated"
+    assert '<p class="origin">SIMULATED</p>' in (tmp_path / "results/report.html").read_text()
+    assert b"SIMULATED" in (tmp_path / "results/confusion-matrix.png").read_bytes()
+    assert main(["study", "analyze", str(REFERENCE / "responses.csv"), "-o", "r"]) == 0
+    assert "\nRECONSTRUCTED: these are not the answers of real participants\n" in capsys.readouterr().out
+
+
 def test_the_schema_of_results_is_kept(reference, capsys) -> None:
     assert main(["study", "schema", "--results"]) == 0
     schema = json.loads(capsys.readouterr().out)

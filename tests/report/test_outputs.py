@@ -9,9 +9,9 @@ import pytest
 
 from emovid.csv_writer import safe
 from emovid.errors import SourceError
-from emovid.report.page import report_html
+from emovid.report.page import methods_text, report_html
 from emovid.report.tables import matrix_csv, matrix_latex, matrix_markdown, result_files, tidy_csv
-from emovid.responses.responses import EMOTIONS, Rejected, Responses, Source
+from emovid.responses.responses import EMOTIONS, Rejected, Responses, Source, Synonym
 from emovid.responses.results_files import read_matrix, read_results
 from emovid.statistics.analyze import analyze, analyze_counts
 from emovid.statistics.results import Provenance
@@ -258,3 +258,41 @@ def test_text_in_a_report_is_only_text() -> None:
     study = responses(TABLE_III)
     evil = Responses(EMOTIONS, EMOTIONS, study.answers, study.participants.assign(hand="<script>alert(1)</script>"))
     assert "<script" not in report_html(analyze(evil), evil, {})
+
+
+def test_a_report_shows_who_was_left_out_and_what_counts_as_a_label() -> None:
+    study = responses(TABLE_III)
+    study = replace(
+        study,
+        dropped={"preview": 2, "partial": 1},
+        left_out={"practice": 9},
+        synonyms=(Synonym("joy", "happiness", 4),),
+        warnings=("someone looked twice",),
+    )
+    results = analyze(study)
+    assert (results.flow.enrolled, results.flow.analyzed) == (48, 45)
+    page = report_html(results, study, {})
+    for words in (
+        "<b>48</b>enrolled",
+        "2 preview",
+        "1 partial",
+        "<b>45</b>analyzed",
+        "rows: practice",
+        "someone looked",
+    ):
+        assert words in page
+    assert "&ldquo;joy&rdquo; as happiness (4)" in page
+    assert page.index("someone looked") < page.index("is supported: 6 of 6") < page.index("Methods, ready to paste")
+
+
+def test_groups_found_in_the_data_are_marked() -> None:
+    study = responses(TABLE_III)
+    assert "By hand (exploratory)" in report_html(analyze(study), study, {})
+    assert "exploratory" not in report_html(analyze(study, by=["hand"]), study, {})
+
+
+def test_the_methods_of_a_report_say_what_was_done() -> None:
+    text = methods_text(analyze(responses(TABLE_III), by=["hand"]))
+    for words in ("one-sided exact binomial test", "Holm's (1979)", "2,000 bootstrap samples", "named beforehand"):
+        assert words in text
+    assert "not named beforehand" in methods_text(analyze(responses(TABLE_III)))
