@@ -3,6 +3,8 @@
 `make chaos` does so with 500 videos.
 """
 
+import re
+import shutil
 import subprocess
 import sys
 import time
@@ -10,10 +12,12 @@ from pathlib import Path
 
 import pytest
 
+import emovid
 from emovid.batch import cluster
 from emovid.cli.main import main
-from tests.helpers.dask_cluster import dask_cluster
+from tests.helpers.dask_cluster import dask_cluster, dask_scheduler
 
+PACKAGE = Path(emovid.__file__).parent
 SWEEP = """
 only: trajectory
 scenes: [happiness, surprise, sadness, fear, anger]
@@ -97,3 +101,42 @@ def test_a_scheduler_that_is_not_there_is_one_line(folder, tmp_path, capsys, mon
     assert main(arguments) == 1
     assert capsys.readouterr().err == "--scheduler tcp://127.0.0.1:9: no Dask scheduler answers there\n"
     assert not (tmp_path / "x").exists()
+
+
+def test_workers_are_waited_for_and_other_code_gets_no_work(folder, tmp_path) -> None:
+    def sweep(*arguments: str) -> tuple[int, list[str]]:
+        command = ["sweep", "s.yaml", "-o", "elsewhere", *arguments]  # relative to the folder of the command
+        done = subprocess.run(
+            [sys.executable, "-m", "emovid", *command],
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=300,
+        )
+        return done.returncode, done.stderr.splitlines()
+
+    shutil.copytree(folder / "here", folder / "elsewhere")
+    copy = tmp_path / "other"
+    shutil.copytree(PACKAGE, copy / "emovid", ignore=shutil.ignore_patterns("__pycache__"))
+    (copy / "configs").symlink_to(PACKAGE.parent / "configs")
+    with (copy / "emovid" / "swarm" / "unicycle.py").open("a") as file:
+        file.write("edited = True\n")
+    with dask_scheduler(tmp_path) as (address, start_worker):
+        code, said = sweep("--scheduler", address, "--force", "--wait", "0.5")
+        assert code == 1
+        assert said[0] == f"no workers yet at {address}: waiting (at most 0.5 s)"
+        assert said[-1] == f"--scheduler {address}: no worker within 0.5 s: start some and run again"
+
+        start_worker(PYTHONPATH=str(copy))
+        code, said = sweep("--scheduler", address, "--force")
+        assert code == 1
+        assert any(re.fullmatch(r"worker \S+ is not used: code \w+, here \w+", line) for line in said)
+        assert said[-1] == f"--scheduler {address}: no worker can be used: install the same versions there"
+        assert contents(folder / "elsewhere") == contents(folder / "here")
+
+        next((folder / "elsewhere").glob("*.npz")).write_bytes(b"damaged")
+        start_worker()
+        code, said = sweep("--scheduler", address, "--wait", "60")
+    assert code == 0, said
+    assert contents(folder / "elsewhere") == contents(folder / "here")

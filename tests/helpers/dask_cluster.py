@@ -1,24 +1,30 @@
 """A real Dask scheduler with real workers, each a process of its own, for tests."""
 
 import json
+import os
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
+
+Process = subprocess.Popen[bytes]
 
 
 @contextmanager
-def dask_cluster(folder: Path, workers: int) -> "Iterator[tuple[str, list[subprocess.Popen[bytes]]]]":
-    """Give the scheduler's address and the workers, which nobody restarts; each is the leader of a session."""
+def dask_scheduler(folder: Path) -> Iterator[tuple[str, Callable[..., Process]]]:
+    """Give the address of a scheduler, and a function that starts a worker with some environment, in `folder`."""
     file = folder / "scheduler.json"
-    processes: list[subprocess.Popen[bytes]] = []
+    processes: list[Process] = []
 
-    def start(*arguments: str) -> "subprocess.Popen[bytes]":
+    def start(*arguments: str, **environment: str) -> Process:
         command = [sys.executable, "-m", "dask", *arguments, "--no-dashboard"]
         with (folder / f"dask-{len(processes)}.log").open("wb") as log:
-            process = subprocess.Popen(command, stdout=log, stderr=log, start_new_session=True)
+            process = subprocess.Popen(
+                command, stdout=log, stderr=log, start_new_session=True, cwd=folder, env=os.environ | environment
+            )
         processes.append(process)
         return process
 
@@ -29,9 +35,15 @@ def dask_cluster(folder: Path, workers: int) -> "Iterator[tuple[str, list[subpro
             assert time.monotonic() < deadline
             time.sleep(0.05)
         address = json.loads(file.read_text())["address"]
-        made = [start("worker", address, "--no-nanny", "--nthreads", "1") for _ in range(workers)]
-        yield address, made
+        yield address, partial(start, "worker", address, "--no-nanny", "--nthreads", "1")
     finally:
         for process in reversed(processes):
             process.kill()
             process.wait()
+
+
+@contextmanager
+def dask_cluster(folder: Path, workers: int) -> Iterator[tuple[str, list[Process]]]:
+    """Give the scheduler's address and the workers, which nobody restarts; each is the leader of a session."""
+    with dask_scheduler(folder) as (address, start):
+        yield address, [start() for _ in range(workers)]
