@@ -16,7 +16,7 @@ from emovid.swarm.laws import corners_of, lloyd, locational_cost, mass_and_centr
 
 _CONVERGED = 1e-6  # of the cost: the smallest gain for which Lloyd's iteration goes on
 _MAX_PERIODS = 60  # examined for overshoot
-_MIN_LAG, _MAX_LAG = 2, 8  # control periods: a few
+_MIN_LAG, _MAX_LAG = 3, 8  # control periods; a cycle of two shows at four
 
 _COST = "locational cost of Cortés et al. 2004, over the density's mass"
 
@@ -44,7 +44,7 @@ CONVERGENCE = (
     Descriptor(
         "recurrence",
         "m",
-        "how nearly the swarm ever returns to a former state: the least, over all times and lags of 2 to 8 control "
+        "how nearly the swarm ever returns to a former state: the least, over all times and lags of 3 to 8 control "
         "periods, of the largest distance of a robot from its place so many periods before",
     ),
 )
@@ -75,10 +75,10 @@ def convergence(window: Window) -> dict[str, float]:
 
 
 def recurrence(window: Window) -> float:
-    """Return the smallest distance [m] between two states of the swarm that are 2 to 8 control periods apart.
+    """Return the smallest distance [m] between two states of the swarm that are 3 to 8 control periods apart.
 
     The distance of two states is that of the robot that moved farthest: below a centimetre, an observer sees the same
-    configuration again. NaN for a window of one period or two.
+    configuration again. NaN for a window of fewer periods.
     """
     trajectory = window.trajectory
     samples = np.arange(0, len(trajectory.t), trajectory.scene.steps_held)

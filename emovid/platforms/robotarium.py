@@ -1,16 +1,18 @@
-"""A density as Python source, for scripts that run without emovid.
+"""A scene as a script for the Robotarium: one flat file for its simulator and its testbed, of either interface.
 
-A scene as a script for the Robotarium: one flat file for its simulator and its testbed, of either interface.
-
-What the testbed and the simulators demand is in `docs/export-robotarium.md`, with sources.
+The laws in the script are the source of the functions that simulate scenes here, so that they are tested once.
+docs/export-robotarium.md has the demands of the testbed and the simulators, with sources.
 """
 
+import ast
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib.metadata import version
+from inspect import getsource
 from pathlib import Path
 from textwrap import indent, wrap
-from typing import NamedTuple
+from types import ModuleType
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -32,79 +34,13 @@ from emovid.scene.model import Scene
 from emovid.scene.robots import Barrier, spacing_of
 from emovid.scene.stage import Stage, StageKeys
 from emovid.scene.video import THEMES
+from emovid.swarm import densities, line_integrals, quadrature, voronoi
 from emovid.swarm.arrays import Array
 from emovid.swarm.densities import density_of, picture_peaks
+from emovid.swarm.laws import expanding_radius
 from emovid.swarm.start import start_poses
 from emovid.swarm.unicycle import look_ahead
 from emovid.video.trails import trailed_robots
-
-_LEAST_NODES, _MOST_NODES = 6, 24
-
-
-class Source(NamedTuple):
-    """A density as source.
-
-    Attributes:
-        expression: of x and y, arrays of one shape, and of a list EDGES of (n_x, n_y, offset).
-        tables: assignments and functions that it needs, as lines.
-    """
-
-    expression: str
-    tables: tuple[str, ...] = ()
-
-
-def density_source(density: AnyDensity, stage: Stage) -> Source:
-    """Return the source of a density, as `densities.density_of` has it."""
-    return _source(density, stage, "PICTURE")
-
-
-def nodes_for(density: AnyDensity, stage: Stage) -> int:
-    """Return how many of Gauss's nodes along an edge of a cell suffice: more for densities that change over less."""
-    left, bottom, right, top = stage.box
-    across = np.hypot(right - left, top - bottom) / density_of(density, stage).scale
-    return int(np.clip(np.ceil(_LEAST_NODES + across / 2), _LEAST_NODES, _MOST_NODES))
-
-
-def _source(density: AnyDensity, stage: Stage, name: str) -> Source:
-    match density:
-        case Uniform():
-            return Source("np.ones_like(x)")
-        case Gaussian():
-            square = f"(x - {density.centre.x!r}) ** 2 + (y - {density.centre.y!r}) ** 2"
-            return Source(f"np.exp(-({square}) / {2 * density.sigma**2!r})")
-        case Boundary():
-            square = f"(offset - {density.inset!r} - n_x * x - n_y * y) ** 2"
-            return Source(f"sum(np.exp(-({square}) / {2 * density.width**2!r}) for n_x, n_y, offset in EDGES)")
-        case Image():
-            return _picture(density, stage, name)
-        case Sum():  # pragma: no branch - there is no other
-            parts = [_source(part.density, stage, f"{name}_{i}") for i, part in enumerate(density.parts, start=1)]
-            weights = [part.weight for part in density.parts]
-            terms = [f"{weight!r} * {part.expression}" for weight, part in zip(weights, parts, strict=True)]
-            tables = tuple(table for part in parts for table in part.tables)
-            return Source("(\n    " + "\n    + ".join(terms) + "\n)", tables)
-
-
-def _picture(density: Image, stage: Stage, name: str) -> Source:
-    """A grid of peaks: see `densities.picture_peaks`."""
-    weights, x_peaks, y_peaks = picture_peaks(density, stage)
-    rows = "".join(f"        [{_numbers(row)}],\n" for row in weights)
-    factor = -0.5 / density.smoothing**2
-    tables = (
-        f"{name} = np.array(\n    [  # heights of the peaks that a picture is made of, by x and then y\n{rows}    ]\n)",
-        *(
-            f"{name}_{axis} = np.linspace({float(peaks[0])!r}, {float(peaks[-1])!r}, {len(peaks)})"
-            for axis, peaks in (("X", x_peaks), ("Y", y_peaks))
-        ),
-    )
-    along_x = f"np.exp({factor!r} * (x.reshape(-1, 1) - {name}_X) ** 2)"
-    along_y = f"np.exp({factor!r} * (y.reshape(-1, 1) - {name}_Y) ** 2)"
-    return Source(f"np.sum({along_x} @ {name} * {along_y}, axis=1).reshape(x.shape)", tables)
-
-
-def _numbers(row: Array) -> str:
-    return ", ".join(f"{value:.4g}" for value in row.tolist())
-
 
 STEP = 0.033  # s; of the testbed and its simulators
 MAX_ROBOTS = 20
@@ -153,17 +89,26 @@ def robotarium_script(scene: Scene, name: str, arena: Arena, *, trails: bool = F
     poses = start_poses(scene, np.random.default_rng(scene.seed))
     _check_spacing(scene, poses)
     law = scene.behaviour
-    sections = {"trails": trails, "coverage": isinstance(law, Coverage), "contour": not isinstance(law, Coverage)}
-    parts = {"header": _header(scene, name, arena)}
-    constants = _common(scene, poses, arena)
+    sections = {
+        "trails": trails,
+        "coverage": isinstance(law, Coverage),
+        "contour": not isinstance(law, Coverage),
+        "expanding": isinstance(law, ExpandingCircle),
+    }
+    parts = {"header": _header(scene, name, arena), "imports": ""}
+    constants = [f'POSES_FILE = "{_plain(name)}-poses.csv"', *_common(scene, poses, arena)]
     if trails:
         constants.append(_trails(scene, poses))
     if isinstance(law, Coverage):
         constants += _coverage(scene, law)
-        parts["phi"] = indent(f"return {density_source(law.density, scene.stage).expression}", "    ")
+        parts |= _copied_integrals(scene, law)
     elif isinstance(law, ContourKeys):  # recorded motion has no start
         constants += _contour(law)
-        parts["radius"] = indent(_radius(law), "    ")
+        parts |= {"radius": indent(_radius(law), "    ")}
+        if isinstance(law, ExpandingCircle):
+            imports = "from math import cos, pi\nfrom types import SimpleNamespace\n\n"
+            copied = getsource(expanding_radius).rstrip().replace("ExpandingCircle", "SimpleNamespace")
+            parts |= {"expanding": f"\n{copied}", "imports": imports}
     parts["scene"] = "\n".join(constants)
     text = "\n".join(_chosen(_TEMPLATE.read_text(encoding="utf-8").splitlines(), sections))
     for key, value in parts.items():
@@ -205,7 +150,7 @@ def _apart(points: Array) -> float:
 
 
 def _header(scene: Scene, name: str, arena: Arena) -> str:
-    name = re.sub(r"[^\w .+-]", "_", name)  # a file can be called anything, and this is code
+    name = _plain(name)
     first = f"{name}: {scene.robots} robots for {scene.duration:g} s on the Robotarium."
     lines = [
         f"Scene: {name}, SHA-256 {scene_digest(scene)}",
@@ -219,6 +164,11 @@ def _header(scene: Scene, name: str, arena: Arena) -> str:
         "The laws are of M. Santos and M. Egerstedt, Int. J. Social Robotics 2021, doi 10.1007/s12369-020-00665-6."
     )
     return "\n".join(['"""' + first, "", *lines, "", *wrap(about, 118), '"""'])
+
+
+def _plain(name: str) -> str:
+    """Return a name that is safe in code, since a file can have any."""
+    return re.sub(r"[^\w .+-]", "_", name)
 
 
 def _common(scene: Scene, poses: Array, arena: Arena) -> list[str]:
@@ -284,10 +234,48 @@ def _trails(scene: Scene, poses: Array) -> str:
 
 
 def _contour(law: Contour) -> list[str]:
-    return [
+    constants = [
         f"ANGULAR_RATE = {_n(law.angular_rate)}  # of the followed points [rad/s]",
         f"CENTRE = np.array([{_n(law.centre.x)}, {_n(law.centre.y)}])",
     ]
+    if isinstance(law, ExpandingCircle):
+        keys = {name: getattr(law, name) for name in ("R_min", "R_max", "expansion_rate", "return_time")}
+        constants.append(f"CIRCLE = SimpleNamespace({', '.join(f'{name}={value!r}' for name, value in keys.items())})")
+    return constants
+
+
+def _copied_integrals(scene: Scene, law: Coverage) -> dict[str, str]:
+    """Return the parts of the template with the functions that compute centroids here, and the scene's density."""
+    density = density_of(law.density, scene.stage)
+    copied: list[Callable[..., Any]] = [voronoi.Fans, voronoi.clipped_cells, voronoi._clipped_cell, voronoi._clip]
+    sources = [getsource(each) for each in copied]
+    if density.gaussians:
+        terms = density.gaussians
+        values = f"{terms.uniform!r}, {_rows(terms.ridges)}, {_rows(terms.peaks)}"
+        sources += [getsource(densities.Gaussians), _body(line_integrals), f"DENSITY = Gaussians({values})"]
+        integrals = "line_integrals"
+    else:
+        say = '"""Return the density at positions x, y (arrays of one shape); only ratios matter."""'
+        phi = f"def phi(x, y):\n    {say}\n    return {density_source(law.density, scene.stage).expression}"
+        made = f"DENSITY = Density(phi, {float(density.scale)!r})"
+        sources += [getsource(densities.Density), _body(quadrature), phi, made]
+        integrals = "mass_and_moment"
+    imports = "from functools import cache\n" + ("" if density.gaussians else "from itertools import pairwise\n")
+    parts = {"imports": f"{imports}from typing import NamedTuple\n\n"}
+    return parts | {"copied": "\n\n\n".join(source.strip() for source in sources), "integrals": integrals}
+
+
+def _rows(terms: Array) -> str:
+    """Return terms (F, fields) as source."""
+    listed = "".join(f"        {row},\n" for row in terms.tolist())
+    return f"np.array(\n    [\n{listed}    ],\n    dtype=float,\n).reshape(-1, {terms.shape[1]})"
+
+
+def _body(module: ModuleType) -> str:
+    """Return the source of a module after its imports."""
+    text = getsource(module)
+    imports = [node for node in ast.parse(text).body if isinstance(node, ast.Import | ast.ImportFrom)]
+    return "".join(text.splitlines(keepends=True)[imports[-1].end_lineno :])
 
 
 def _radius(law: Contour) -> str:
@@ -295,8 +283,7 @@ def _radius(law: Contour) -> str:
         case CircularSinusoid():
             return f"return {_n(law.R)} + {_n(law.A)} * np.sin({law.f} * theta)"
         case ExpandingCircle():
-            grown = f"np.mod({_n(law.expansion_rate)} * t, {_n(law.R_max)} - {_n(law.R_min)})"
-            return f"return np.full_like(theta, {_n(law.R_min)} + {grown})"
+            return "return np.full_like(theta, expanding_radius(CIRCLE, t))"
         case _:
             return f"return np.full_like(theta, {_n(law.R)})"
 
@@ -307,9 +294,7 @@ def _coverage(scene: Scene, law: Coverage) -> list[str]:
     return [
         f"KAPPA = {_n(law.kappa)}  # proportional gain [1/s]",
         f"U_MAX = {'np.inf' if law.u_max is None else _n(law.u_max)}  # cap on |u| [m/s]",
-        f"STAGE = np.array([\n{corners}])  # its corners, counter-clockwise",
-        f"NODES, WEIGHTS = np.polynomial.legendre.leggauss({nodes_for(law.density, scene.stage)})",
-        "NODES, WEIGHTS = (NODES + 1) / 2, WEIGHTS / 2  # of Gauss's rule from 0 to 1",
+        f"STAGE = np.array([\n{corners}], dtype=float)  # its corners, counter-clockwise",
         *source.tables,
     ]
 
@@ -328,3 +313,62 @@ def _chosen(lines: list[str], sections: Mapping[str, bool]) -> list[str]:
         elif wanted:
             chosen.append(line)
     return chosen
+
+
+class Source(NamedTuple):
+    """A density as source.
+
+    Attributes:
+        expression: of x and y, arrays of one shape, and of a list EDGES of (n_x, n_y, offset).
+        tables: assignments and functions that it needs, as lines.
+    """
+
+    expression: str
+    tables: tuple[str, ...] = ()
+
+
+def density_source(density: AnyDensity, stage: Stage) -> Source:
+    """Return the source of a density, as `densities.density_of` has it."""
+    return _source(density, stage, "PICTURE")
+
+
+def _source(density: AnyDensity, stage: Stage, name: str) -> Source:
+    match density:
+        case Uniform():
+            return Source("np.ones_like(x)")
+        case Gaussian():
+            square = f"(x - {density.centre.x!r}) ** 2 + (y - {density.centre.y!r}) ** 2"
+            return Source(f"np.exp(-({square}) / {2 * density.sigma**2!r})")
+        case Boundary():
+            square = f"(offset - {density.inset!r} - n_x * x - n_y * y) ** 2"
+            ridges = f"[1 - np.exp(-({square}) / {2 * density.width**2!r}) for n_x, n_y, offset in EDGES]"
+            return Source(f"1 - np.prod({ridges}, axis=0)")
+        case Image():
+            return _picture(density, stage, name)
+        case Sum():  # pragma: no branch - there is no other
+            parts = [_source(part.density, stage, f"{name}_{i}") for i, part in enumerate(density.parts, start=1)]
+            weights = [part.weight for part in density.parts]
+            terms = [f"{weight!r} * {part.expression}" for weight, part in zip(weights, parts, strict=True)]
+            tables = tuple(table for part in parts for table in part.tables)
+            return Source("(\n    " + "\n    + ".join(terms) + "\n)", tables)
+
+
+def _picture(density: Image, stage: Stage, name: str) -> Source:
+    """A grid of peaks: see `densities.picture_peaks`."""
+    weights, x_peaks, y_peaks = picture_peaks(density, stage)
+    rows = "".join(f"        [{_numbers(row)}],\n" for row in weights)
+    factor = -0.5 / density.smoothing**2
+    tables = (
+        f"{name} = np.array(\n    [  # heights of the peaks that a picture is made of, by x and then y\n{rows}    ]\n)",
+        *(
+            f"{name}_{axis} = np.linspace({float(peaks[0])!r}, {float(peaks[-1])!r}, {len(peaks)})"
+            for axis, peaks in (("X", x_peaks), ("Y", y_peaks))
+        ),
+    )
+    along_x = f"np.exp({factor!r} * (x.reshape(-1, 1) - {name}_X) ** 2)"
+    along_y = f"np.exp({factor!r} * (y.reshape(-1, 1) - {name}_Y) ** 2)"
+    return Source(f"np.sum({along_x} @ {name} * {along_y}, axis=1).reshape(x.shape)", tables)
+
+
+def _numbers(row: Array) -> str:
+    return ", ".join(f"{value:.4g}" for value in row.tolist())

@@ -6,8 +6,9 @@ order of calls is asserted, each wheel is cut alone, the step is Euler's, and er
 
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import chdir, contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import ModuleType
 from typing import Any
 
@@ -44,6 +45,7 @@ class StandIn:
     """What both interfaces share. `made` holds the last one that a script has made."""
 
     made: "StandIn"
+    files: dict[str, str]
     base: float
 
     def __init__(
@@ -179,9 +181,13 @@ def installed(interface: type[StandIn]) -> Iterator[None]:
 
 
 def run(script: str, interface: type[StandIn], path: Path = Path("script.py")) -> tuple[StandIn, dict[str, Any]]:
-    """Run a script with an interface in place of `rps`; return the stand-in, and what the script has defined."""
+    """Run a script with an interface in place of `rps`; return the stand-in, and what the script has defined.
+
+    Files that it writes are read into `StandIn.made.files`.
+    """
     names: dict[str, Any] = {"__name__": "__main__"}
-    with installed(interface):
+    with installed(interface), TemporaryDirectory() as folder, chdir(folder):
         exec(compile(script, str(path), "exec"), names)  # noqa: S102 - our own
+        StandIn.made.files = {file.name: file.read_text() for file in Path(folder).iterdir()}
     assert StandIn.made.ended
     return StandIn.made, names
