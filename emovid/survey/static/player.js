@@ -56,6 +56,7 @@ class Watch {
     this.stalled = 0; // time for which it stood still, waiting for data [s]
     this.waiting = null; // when it began to stand still
     this.started = false; // whether the first frame has been shown
+    this.finished = false; // whether the end was reported
     this.before = this.quality();
   }
 
@@ -69,7 +70,7 @@ class Watch {
     const now = performance.now();
     if (this.tick !== null) this.playing += (now - this.tick) / 1000;
     this.tick = this.started && !this.video.paused && !document.hidden ? now : null;
-    const here = this.video.currentTime;
+    const here = this.video.ended ? this.video.duration : this.video.currentTime; // which can be a late reading
     if (this.video.seeking || here <= this.position) return;
     const credit = Math.max(this.playing + SLACK - total(this.ranges), 0);
     this.ranges = union(this.ranges, this.position, Math.min(here, this.position + credit));
@@ -161,6 +162,7 @@ function activatePlayer(player) {
   const start = () => {
     wanted = false;
     if (video.ended || !watch) {
+      end();
       watch = new Watch(video);
       if (video.currentTime) video.currentTime = 0;
       const shown = { device: device(), width: video.clientWidth, height: video.clientHeight };
@@ -179,6 +181,12 @@ function activatePlayer(player) {
       say(words().wait);
       await pause(answer.wait + 0.05);
     }
+  };
+  const end = () => {
+    if (!watch || watch.finished || !video.ended) return;
+    watch.advance();
+    watch.finished = true;
+    finish(watch, watch.report());
   };
   const hide = () => {
     if (!watch || video.ended) return;
@@ -215,10 +223,7 @@ function activatePlayer(player) {
   });
   for (const name of ["play", "pause", "ended"]) video.addEventListener(name, label);
   video.addEventListener("pause", () => { watch?.advance(); watch?.resume(); });
-  video.addEventListener("ended", () => {
-    watch.advance();
-    finish(watch, watch.report());
-  });
+  video.addEventListener("ended", end);
   document.addEventListener("visibilitychange", () => {
     if (document.hidden) hide();
     else if (ready && wanted) start();
