@@ -51,7 +51,8 @@ class Participant:
 
     @property
     def code(self) -> str:
-        source = self.page.locator("#player video").get_attribute("src") or ""
+        video = self.page.locator("#player video")
+        source = video.get_attribute("data-source") or video.get_attribute("src") or ""
         found = re.search(r"/media/(\w+)\.mp4", source)
         assert found, source
         return found[1]

@@ -112,7 +112,7 @@ class Watch {
 function activatePlayer(player) {
   const [video, button, note] = [player.querySelector("video"), byId("play"), byId("note")];
   const headers = { "Content-Type": "application/json", "X-Form-Token": player.dataset.token };
-  const source = video.getAttribute("src");
+  const source = video.dataset.source ??= video.getAttribute("src");
   let watch = null; // the playback in progress
   let [ready, wanted] = [false, false]; // whether the video is loaded; whether the button was pressed before that
   let retry = () => {}; // ends the rest before the next attempt to load

@@ -1,0 +1,148 @@
+"""The player in Chromium and Firefox: what counts as watched, videos that fail, slow lines, other scripts and languages."""
+
+import csv
+import io
+
+import pytest
+
+from emovid.kit.folder import open_public
+from emovid.survey.export import responses_csv
+from emovid.survey.store import open_survey
+from tests.helpers.firefox import firefox, path_of_firefox
+from tests.helpers.participant import Participant
+from tests.helpers.served import serving
+from tests.helpers.small_survey import STUDY, small_kit
+
+# A reading of the player's clock that is late once by 0.4 s, as Firefox gives it on a busy machine.
+LATE = """(() => {
+  const of = Object.getOwnPropertyDescriptor(HTMLMediaElement.prototype, "currentTime");
+  let late = false, seen = 0;
+  Object.defineProperty(HTMLMediaElement.prototype, "currentTime", {configurable: true, set: of.set,
+    get() { const now = of.get.call(this); return late ? Math.max(0, now - 0.4) : now; }});
+  window.addEventListener("timeupdate", (event) => {
+    if (event.target.seeking || event.target.ended) return;
+    seen += 1;
+    if (seen === 4) { late = true; setTimeout(() => { late = false; }); }
+  }, true);
+})()"""
+FASTER = "video => setInterval(() => { video.playbackRate = 4; video.currentTime += 0.3; }, 50)"
+ITEMS = "".join(f"  - {{name: q{i}, question: Q{i}, required: false}}\n" for i in range(15))
+
+
+@pytest.fixture(scope="module")
+def kit(tmp_path_factory):
+    text = STUDY.replace("duration: 1}", "duration: 3}").replace("consent:", f"{ITEMS}language: ar\nconsent:", 1)
+    return small_kit(tmp_path_factory.mktemp("player"), text)
+
+
+@pytest.fixture(scope="module")
+def server(kit):
+    with serving(kit) as running:
+        yield running
+
+
+@pytest.fixture
+def page(browser, server):
+    context = browser.new_context()
+    opened = context.new_page()
+    yield opened
+    context.close()
+
+
+def begin(page, server) -> None:
+    page.goto(f"{server.address}/")
+    page.locator("button[value=agree]").click()
+    page.wait_for_url("**/about")
+    page.get_by_label("Woman", exact=True).check()
+    page.locator("main button[type=submit]").click()
+    page.wait_for_url("**/instructions")
+    page.locator("main button[type=submit]").click()
+    page.wait_for_url("**/video/1")
+
+
+def test_a_late_reading_of_the_clock_takes_nothing_away(page, server) -> None:
+    page.add_init_script(LATE)
+    begin(page, server)
+    page.locator("#play").click()
+    page.locator("#gate:enabled").wait_for()
+
+
+def test_jumps_and_faster_playback_do_not_open_the_question(page, server) -> None:
+    begin(page, server)
+    page.locator("#play").click()
+    page.locator("#player video").evaluate(FASTER)
+    page.wait_for_timeout(2000)  # less than the video's length
+    assert page.locator("#gate").is_disabled()
+
+
+def test_a_video_that_fails_says_so_and_plays_once_the_network_is_back(page, server) -> None:
+    begin(page, server)
+    page.context.route("**/media/**", lambda route: route.abort())
+    page.reload()
+    page.get_by_text("تعذّر تحميل الفيديو").wait_for()
+    page.locator("#play").click()
+    page.context.unroute("**/media/**")
+    page.locator("#play").click()
+    page.locator("#gate:enabled").wait_for()
+
+
+def test_long_answers_in_japanese_are_sent_and_unsent_text_is_warned_of(page, server, kit) -> None:
+    page.goto(f"{server.address}/")
+    page.locator("button[value=agree]").click()
+    page.wait_for_url("**/about")
+    for i in range(15):
+        page.locator(f"#about-q{i}").fill("漢" * 500)
+    asked = []
+    page.on("dialog", lambda dialog: (asked.append(dialog.type), dialog.dismiss()))
+    page.close(run_before_unload=True)
+    page.get_by_label("Woman", exact=True).check()
+    assert asked == ["beforeunload"]
+    page.locator("main button[type=submit]").click()
+    page.wait_for_url("**/instructions")
+    opened, store = open_survey(kit, pilot=False)
+    rows = csv.DictReader(io.StringIO(responses_csv(store, opened, pilot=False, release=7200)))
+    assert {row["q14"] for row in rows} == {"", "漢" * 500}
+    store.close()
+
+
+def test_consent_without_a_connection_says_so_and_goes_on_when_it_is_back(browser, kit) -> None:
+    with serving(kit) as own:
+        person = Participant(browser, own.address, 1)
+        own.kill()
+        person.page.locator("button[value=agree]").click()
+        person.page.get_by_text("لا يوجد اتصال بالاستبيان").wait_for()
+        own.start()
+        person.page.wait_for_url("**/about")
+        person.leave()
+
+
+@pytest.mark.skipif(path_of_firefox() is None, reason="no Firefox: its pages were NOT TRIED in it")
+def test_in_firefox_a_participant_goes_from_the_consent_to_the_thanks_in_arabic(server, kit) -> None:
+    with firefox() as window:
+        window.resize(420, 900)  # about a phone's width
+        window.open(f"{server.address}/")
+        window.click("button[value=agree]")
+        window.wait_for("/about")
+        window.click("input[value=Woman]")
+        window.type("#about-q0", "می\u200cخواهم")
+        window.click("main button[type=submit]")
+        window.wait_for("/instructions")
+        window.click("main button[type=submit]")
+        for place in range(1, 7):
+            window.wait_for(f"/video/{place}")
+            assert window.run("return document.documentElement.scrollWidth <= window.innerWidth")
+            window.click("#play")
+            window.wait("return !document.getElementById('gate').disabled")
+            window.click("input[name=response]")
+            window.click("#submit")
+        window.wait_for("/review")
+        window.click("main button[type=submit]")
+        window.wait_for("/thanks")
+    opened, store = open_survey(kit, pilot=False)
+    rows = list(csv.DictReader(io.StringIO(responses_csv(store, opened, pilot=False, release=7200))))
+    store.close()
+    finished = [row for row in rows if row["status"] == "finished"]
+    assert [row["position"] for row in finished] == list("123456")
+    assert {row["q0"] for row in finished} == {"می\u200cخواهم"}
+    assert all(float(row["watched_share"]) >= 0.98 and int(row["play_ms"]) >= 2900 for row in finished)
+    assert open_public(kit).manifest.language == "ar"
