@@ -1,4 +1,4 @@
-"""The player in Chromium and Firefox: what counts as watched, videos that fail, slow lines, other scripts and languages."""
+"""The player in Chromium and Firefox: what counts as watched, videos that fail, lost connections, long answers."""
 
 import csv
 import io
