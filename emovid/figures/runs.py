@@ -117,12 +117,13 @@ def overhead_figure(runs: Mapping[str, Trajectory], times: Sequence[float], *, w
         width: of the figure [in].
     """
     scene = next(iter(runs.values())).scene
-    columns = columns_of(len(runs), width)
-    figure, panels = stage_panels(scene.stage, len(runs), columns, width, print_colours(scene), above=LINE, below=LINE)
+    columns, narrow = columns_of(len(runs), width), width <= SINGLE_COLUMN
+    colours, below = print_colours(scene), 2 * LINE if narrow else LINE
+    figure, panels = stage_panels(scene.stage, len(runs), columns, width, colours, above=LINE, below=below)
     for axes, (emotion, run), t in zip(panels, runs.items(), times, strict=True):
         draw_trails(axes, run, t)
         draw_swarm(axes, run, t)
-        _label(axes, emotion, OVERHEAD_VIDEOS)
+        _label(axes, emotion, OVERHEAD_VIDEOS, "\n" if narrow else " ")
     return figure
 
 
@@ -148,9 +149,9 @@ def perspective_figure(
     return figure
 
 
-def _label(axes: Axes, emotion: str, videos: Mapping[str, str]) -> None:
+def _label(axes: Axes, emotion: str, videos: Mapping[str, str], between: str = " ") -> None:
     write_above(axes, heading(emotion))
-    write_below(axes, f"authors' video: {videos[emotion].removeprefix('https://')}")
+    write_below(axes, f"authors' video:{between}{videos[emotion].removeprefix('https://')}")
 
 
 # --- descriptors -----------------------------------------------------------------------------------------------------

@@ -120,8 +120,9 @@ def columns_of(count: int, width: float) -> int:
 
 
 def write_below(axes: Axes, text: str) -> None:
-    """Write a line of text under a panel."""
-    axes.annotate(text, (0.5, 0), xytext=(0, 2 - LINE), ha="center", va="bottom", **_AT)
+    """Write a line of text, or several, under a panel."""
+    lines = text.count("\n") + 1
+    axes.annotate(text, (0.5, 0), xytext=(0, 2 - lines * LINE), ha="center", va="bottom", **_AT)
 
 
 def write_above(axes: Axes, text: str) -> None:
