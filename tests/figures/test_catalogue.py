@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
@@ -173,7 +174,7 @@ def test_material_is_made_once(monkeypatch) -> None:
 
 
 def test_a_study_without_a_group_or_with_other_labels_says_so(material) -> None:
-    results = material.table(STUDY) | {"groups": {}, "emotions": ["awe"]}
+    results = replace(material.table(STUDY), groups={}, emotions=("awe",))
     other = Material(tables={STUDY: lambda _: results})
     with pytest.raises(InputError, match="the study has no group gender; its groups: none"):
         CATALOGUE["accuracy-gender"].figure(other)
