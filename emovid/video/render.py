@@ -47,9 +47,9 @@ def render_video(
     """
     scene = trajectory.scene
     suffix = FORMATS[scene.video.format].suffix
-    if suffix and Path(target).suffix.lower() != suffix:
+    if suffix and Path(target).suffix.lower() not in ("", suffix):
         expected = f"expected {suffix}, or a scene whose video.format is another"
-        raise InputError(f"{target}: cannot write {Path(target).suffix or 'a name without suffix'}; {expected}")
+        raise InputError(f"{target}: cannot write {Path(target).suffix}; {expected}")
     write = write_pictures if scene.video.format == "png-sequence" else write_video
     drawn = _DrawnFrames(trajectory)
     write(_encodable(drawn, trajectory), scene.frames, video_arguments(scene.video, crf), Path(target), on_frame)

@@ -104,7 +104,10 @@ EXPECTED = "expected one video file, scene (.yaml), finished run (.npz) or emoti
         (["small.gif", "--set", "seed=3"], "--set seed=3: small.gif is a video; only scenes have keys to replace"),
         (["small.gif", "--seed", "3"], "--seed 3: small.gif is a video; only scenes have keys to replace"),
         (["fear", "--times", "0,16"], "--times 0,16: 16 s is outside the run of 0 to 15 s"),
-        (["fear", "--count", "101"], "Invalid value for '--count': Input should be less than or equal to 100"),
+        (
+            ["fear", "--count", "101"],
+            "--count 101: expected a whole number, at least 1 and at most 100 (did you mean 100?)",
+        ),
     ],
 )
 def test_a_mistake_is_one_line_and_leaves_nothing(capsys, arguments, message) -> None:

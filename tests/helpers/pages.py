@@ -128,7 +128,8 @@ def small(source: Path) -> str:
 
 def given(page: Path, folder: Path) -> dict[str, str]:
     """Put into the folder what a reader of the page has, and return what stands in a page for something of theirs."""
-    (folder / "responses.csv").write_bytes(REFERENCE.read_bytes())
+    if page.stem != "survey":  # whose own answers get this name
+        (folder / "responses.csv").write_bytes(REFERENCE.read_bytes())
     if page.parent.name == "analyse":
         export = EXAMPLES[page.stem]()
         (folder / "key.csv").write_text(exports.KEY)
