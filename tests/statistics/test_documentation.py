@@ -1,0 +1,31 @@
+"""docs/statistics.md names tests that exist, and docs/validation.md shows sizes and coverages that hold."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+STATISTICS = (ROOT / "docs" / "statistics.md").read_text(encoding="utf-8")
+VALIDATION = (ROOT / "docs" / "validation.md").read_text(encoding="utf-8")
+ROWS = re.findall(r"^\| (.*?) \| (.*?) \| (0\.\d+) \| (0\.\d+) ± (0\.\d+) \|", VALIDATION, re.MULTILINE)
+
+
+def test_every_test_of_the_table_exists() -> None:
+    named = set(re.findall(r"`(test_\w+\.py)`", STATISTICS))
+    assert len(named) >= 9
+    assert named <= {path.name for path in (ROOT / "tests" / "statistics").iterdir()}
+
+
+@pytest.mark.parametrize(("name", "situation", "nominal", "found", "error"), ROWS)
+def test_sizes_and_coverages_hold(name, situation, nominal, found, error) -> None:
+    # Three standard errors, and two points for tests that are not exact.
+    slack = 3 * float(error) + 0.02
+    if float(nominal) < 0.5:
+        assert float(found) <= float(nominal) + slack
+    else:
+        assert abs(float(found) - float(nominal)) <= slack
+
+
+def test_every_test_and_interval_is_validated() -> None:
+    assert len(ROWS) >= 25
