@@ -11,6 +11,7 @@ import time
 from contextlib import suppress
 
 from emovid.video import ffmpeg
+from tests.helpers.containers import UNSHARE, unshare_works
 from tests.helpers.owners import DEAD
 from tests.helpers.trial import NAMES, SMALL, Fault, TooLateError, Trial, family
 
@@ -124,6 +125,16 @@ def _two_runs(trial: Trial) -> None:
     trial.finish(second)
 
 
+def _in_containers(trial: Trial) -> None:
+    trial.prefix = UNSHARE  # so that both have the process number 1
+    _two_runs(trial)
+
+
+def _closed_stderr(trial: Trial) -> None:
+    trial.before = lambda: os.close(2)
+    _in_peace(trial)
+
+
 def _stale_files(trial: Trial) -> None:
     for name in (f".{NAMES[0]}.{DEAD}.part", f".other.mp4.{DEAD}.part"):
         (trial.folder / name).write_bytes(b"half")
@@ -176,7 +187,10 @@ def lasting() -> list[Fault]:
         Fault("a folder that vanishes", _vanishing, "is its folder still there?", fails=True),
         Fault("two runs into one folder", _two_runs),
         Fault("stale temporary files", _stale_files),
+        Fault("a closed stderr", _closed_stderr),
     ]
+    if unshare_works():
+        faults.append(Fault("two runs in containers with equal process numbers", _in_containers))
     if not os.geteuid():
         faults.append(Fault("a small disk", _on_small_disk, "no space left on device: free some space", fails=True))
     return faults

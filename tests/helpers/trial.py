@@ -47,6 +47,7 @@ class Trial:
         command: what runs; by default all six videos in two processes.
         first: Python that the command runs first.
         before: is called in its process before all that.
+        prefix: program that starts the command, such as one that gives it a namespace of its own.
     """
 
     folder: Path
@@ -56,6 +57,7 @@ class Trial:
     command: list[str] = field(default_factory=list)
     first: str = "pass"
     before: Callable[[], None] | None = None
+    prefix: list[str] = field(default_factory=list)
     said: str = ""
     code: int = 0
     sessions: list[int] = field(default_factory=list)
@@ -64,7 +66,7 @@ class Trial:
         """Start the command, and return once it is no longer Python's own start that would be harmed."""
         command = self.command or ["render", "--all", "-o", str(self.folder), *SMALL]
         process = subprocess.Popen(
-            [sys.executable, "-c", START.format(first=self.first), *command],
+            [*self.prefix, sys.executable, "-c", START.format(first=self.first), *command],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
