@@ -21,7 +21,14 @@ from emovid.responses.responses import Responses
 from emovid.statistics.compare import VideoCompared
 from emovid.statistics.goodness import Goodness
 from emovid.statistics.recognition import Recognition
-from emovid.workflows.analysis import Analysis, analyze_exports, analyze_matrix, compare_studies, write_analysis
+from emovid.workflows.analysis import (
+    Analysis,
+    analyze_exports,
+    analyze_matrix,
+    compare_studies,
+    gives_several_answers,
+    write_analysis,
+)
 
 _SHOWN = 20  # reasons of rejected rows on the terminal; rejected.csv has all rows
 
@@ -212,6 +219,11 @@ def compare(
             f"{name:<11}{video.hits[0]}/{video.n[0]} and {video.hits[1]}/{video.n[1]}".ljust(30) + _compared(video)
         )
     typer.echo(f"whole matrix: {apa.compared(found)}, if answers are independent of each other")
+    for study in dict.fromkeys((original, replication)):
+        if gives_several_answers(study):
+            typer.echo(
+                f"{study}: participants gave several answers to an emotion, so p values and intervals are too small"
+            )
 
 
 def _compared(video: VideoCompared) -> str:

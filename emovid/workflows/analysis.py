@@ -1,5 +1,6 @@
 """From exports to a folder of results, and from two folders to a comparison."""
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -121,3 +122,12 @@ def compare_studies(
         labels = ", ".join(studies[0][1])
         raise InputError(f"{replication}: other labels than {original}: expected {labels}") from None
     return signalled, compare(first, second, seed, margin)
+
+
+def gives_several_answers(study: Path) -> bool:
+    """Return whether participants gave several answers to an emotion, as far as the results.json of a study says."""
+    file = study / "results.json" if study.is_dir() else study
+    if file.suffix.lower() != ".json":
+        return False
+    tests = json.loads(file.read_bytes()).get("recognition", {}).values()
+    return any(test.get("participants", test["n"]) < test["n"] for test in tests)

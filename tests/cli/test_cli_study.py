@@ -303,6 +303,15 @@ def test_simulated_answers_are_marked_wherever_they_go(tmp_path, capsys) -> None
     assert "\nRECONSTRUCTED: these are not the answers of real participants\n" in capsys.readouterr().out
 
 
+def test_several_answers_to_an_emotion_are_said_where_studies_are_compared(tmp_path, capsys) -> None:
+    rows = "".join(f"p{i},{v},{('fear', 'anger')[(i + j) % 2]}\n" for i in range(8) for j, v in enumerate("abc"))
+    (tmp_path / "x.csv").write_text(f"participant,video,response\n{rows}")
+    (tmp_path / "key.csv").write_text("video_code,true_emotion\na,fear\nb,fear\nc,anger\n")
+    assert main(["study", "analyze", "x.csv", "--key", "key.csv", "--labels", "fear,anger", "-o", "r", "-q"]) == 0
+    assert main(["study", "compare", "r", "r"]) == 0
+    assert "r: participants gave several answers to an emotion" in capsys.readouterr().out
+
+
 def test_the_schema_of_results_is_kept(reference, capsys) -> None:
     assert main(["study", "schema", "--results"]) == 0
     schema = json.loads(capsys.readouterr().out)
