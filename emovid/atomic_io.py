@@ -145,6 +145,12 @@ def is_written(left: Path) -> bool:
         return True
 
 
+def is_local(left: Path) -> bool:
+    """Return whether the owner of a hidden file is a process that this one can see: of this machine and container."""
+    found = _OWNER.search(left.name)
+    return bool(found and found[1] == _process_space())
+
+
 def owner(pid: int | None = None) -> str:
     """Return a name for a process, by default this one, that no process of another machine, container or time has.
 

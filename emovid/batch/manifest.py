@@ -14,6 +14,7 @@ import errno
 import fcntl
 import json
 import os
+import threading
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -22,13 +23,14 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, Any, Self
 
-from emovid.atomic_io import is_written, not_written, owner, replace_if_changed, writing
+from emovid.atomic_io import is_local, is_written, not_written, owner, replace_if_changed, writing
 from emovid.batch.job import Record
 from emovid.batch.versions import RecordKind
 from emovid.errors import EmovidError, InputError
 
 NAME, PLAN = "manifest.json", "plan.json"
 _PACE = 0.5  # seconds between two looks for the journals of other runs
+_HEARTBEAT, _LIFETIME = 5.0, 60.0  # seconds between two touches of a journal; without one it is of a dead run
 _JOURNAL, _LOCK = f".{NAME}.*.journal", f".{NAME}.lock"
 SECTIONS: Mapping[RecordKind, str] = {
     "video": "videos",
@@ -82,6 +84,7 @@ class Journal:
         self._file: IO[bytes] | None = None
         self._others: dict[Path, _OtherRun] = {}
         self._looked = 0.0
+        self._is_over = threading.Event()
 
     def add(self, name: str, record: Record) -> None:
         """Add the record of a finished job.
@@ -100,7 +103,7 @@ class Journal:
         """Return the names of unfinished results that other live runs make; `records` gets their finished ones."""
         if time.monotonic() - self._looked >= _PACE:
             self._looked = time.monotonic()
-            paths = {path for path in self.folder.glob(_JOURNAL) if path != self._path and is_written(path)}
+            paths = {path for path in self.folder.glob(_JOURNAL) if self._is_live(path)}
             if self._others.keys() - paths:  # merged into the manifest, or dead
                 self.records |= read_manifest(self.folder)
             self._others = {path: self._others.get(path) or _OtherRun() for path in paths}
@@ -110,11 +113,30 @@ class Journal:
             claimed |= other.claimed
         return claimed
 
+    def _is_live(self, path: Path) -> bool:
+        """Return whether a journal is of another run that still works.
+
+        Runs on other machines and in other containers show that they work by touching their journals.
+        """
+        if path == self._path or not is_written(path):
+            return False
+        try:
+            now = self._path.stat().st_mtime if self._file else time.time()  # by the clock of the file system
+            return is_local(path) or now - path.stat().st_mtime < _LIFETIME
+        except OSError:  # it has just been merged
+            return False
+
+    def _touch(self) -> None:
+        while not self._is_over.wait(_HEARTBEAT):
+            with suppress(OSError):
+                os.utime(self._path)
+
     def __enter__(self) -> Self:
+        threading.Thread(target=self._touch, daemon=True).start()
         if self._plan:
             with _lock(self.folder):
                 for path in self.folder.glob(_JOURNAL):
-                    if path != self._path and is_written(path) and _plan_of(path) not in ("", self._plan.digest):
+                    if self._is_live(path) and _plan_of(path) not in ("", self._plan.digest):
                         raise InputError(
                             f"{self.folder}: another sweep is being made there; expected another folder (-o), or wait"
                         )
@@ -125,6 +147,7 @@ class Journal:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        self._is_over.set()
         if self._file:
             self._file.close()
         try:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from emovid.batch.workers import InProcess
 from emovid.errors import EmovidError
 from emovid.scene.model import Scene
 from tests.helpers.batches import Silent
-from tests.helpers.owners import PARENT
+from tests.helpers.owners import ELSEWHERE, PARENT
 
 
 class Worker(InProcess):
@@ -154,6 +155,28 @@ def test_parallel_runs_share_their_jobs(make_scene, tmp_path, monkeypatch) -> No
     assert "1" in report.kept
     assert set(made.elsewhere) | set(made.records) == {job.target for job in work}
     assert sorted(read_manifest(tmp_path)) == ["1", "2", "3"]
+
+
+def test_a_claim_of_another_container_counts_while_its_journal_is_touched(tmp_path) -> None:
+    path = tmp_path / f".manifest.json.{ELSEWHERE}.journal"
+    path.write_text('["a"]\n')
+    with Journal(tmp_path) as journal:
+        assert journal.claimed_elsewhere() == {"a"}
+    os.utime(path, (time.time() - 90,) * 2)  # it was killed
+    with Journal(tmp_path) as journal:
+        assert journal.claimed_elsewhere() == set()
+
+
+def test_a_run_touches_its_journal(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(manifest, "_HEARTBEAT", 0.01)
+    with Journal(tmp_path) as journal:
+        journal.claim("a")
+        (path,) = tmp_path.glob(".manifest.json.*.journal")
+        os.utime(path, (0, 0))
+        deadline = time.monotonic() + 30
+        while path.stat().st_mtime == 0:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
 
 
 def test_a_claim_of_a_dead_run_counts_for_nothing(tmp_path) -> None:
