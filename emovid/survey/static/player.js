@@ -50,8 +50,9 @@ class Watch {
     this.name = [...crypto.getRandomValues(new Uint8Array(8))].map((byte) => byte.toString(16).padStart(2, "0")).join("");
     this.ranges = [];
     this.position = 0; // up to which everything was counted [s of the video]
-    this.playing = 0; // time for which it was playing and visible [s]
-    this.tick = null; // when the playing time was last counted; null while paused or hidden
+    this.allowed = 0; // time for which it could play: not paused, and visible [s]
+    this.playing = 0; // the same from the first frame on
+    this.tick = null; // when these times were last counted; null while paused or hidden
     this.stalls = 0;
     this.stalled = 0; // time for which it stood still, waiting for data [s]
     this.waiting = null; // when it began to stand still
@@ -68,19 +69,27 @@ class Watch {
   /** Count what was played since the last call. A position that runs back is a late reading, not a step back. */
   advance() {
     const now = performance.now();
-    if (this.tick !== null) this.playing += (now - this.tick) / 1000;
-    this.tick = this.started && !this.video.paused && !document.hidden ? now : null;
+    const elapsed = this.tick === null ? 0 : (now - this.tick) / 1000;
+    this.allowed += elapsed;
+    if (this.started) this.playing += elapsed;
+    this.tick = !this.video.paused && !document.hidden ? now : null;
     const here = this.video.ended ? this.video.duration : this.video.currentTime; // which can be a late reading
     if (this.video.seeking || here <= this.position) return;
-    const credit = Math.max(this.playing + SLACK - total(this.ranges), 0);
+    const credit = Math.max(this.allowed + SLACK - total(this.ranges), 0);
     this.ranges = union(this.ranges, this.position, Math.min(here, this.position + credit));
     this.position = here;
     if (this.waiting !== null && !this.video.paused) this.resume();
   }
 
-  begin() {
-    this.started = true;
+  /** Start the clock: the events of the player can be late by more than the slack. */
+  run() {
     if (this.tick === null && !document.hidden) this.tick = performance.now();
+  }
+
+  begin() {
+    this.advance();
+    this.started = true;
+    this.run();
     this.resume();
   }
 
@@ -170,6 +179,7 @@ function activatePlayer(player) {
     }
     hint();
     video.play().catch(label);
+    watch.run();
   };
   const finish = async ({ name }, facts) => {
     for (;;) {
