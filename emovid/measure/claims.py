@@ -122,14 +122,6 @@ CLAIMS = (
         reason="at this speed a robot takes most of a video to cross the stage",
     ),
     Claim(
-        "the fast ones cover more than an eighth of the stage's diagonal in a second",
-        "Table II: fast",
-        Quantity("speed_mean_diagonals", FAST),
-        1 / 8,
-        peaks=True,
-        reason="at this speed a robot crosses the stage in half of a video",
-    ),
-    Claim(
         "anger has the highest peak speed",
         "Sec. II: higher peak velocities for anger",
         _only("speed_peak", "anger"),
@@ -159,8 +151,8 @@ CLAIMS = (
         "Table I: large movement",
         _only("distance_travelled_to_snapshot", "anger"),
         Quantity("distance_travelled_to_snapshot", tuple(name for name in EMOTIONS if name != "anger")),
-        1.2,
-        reason="'largest' with a small margin",
+        1.0,
+        reason="'largest' without a margin",
     ),
     Claim(
         "fear and sadness move little: less than half as far as happiness and surprise in the same time",
