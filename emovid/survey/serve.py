@@ -1,6 +1,7 @@
 """The server of the survey: waitress on a port of this machine."""
 
 import logging
+import resource
 from collections.abc import Callable
 from pathlib import Path
 
@@ -49,6 +50,7 @@ def serve(
         InputError: as `open_survey`.
         EmovidError: if the port is not available.
     """
+    _allow_open_files()
     kit, store = open_survey(path, pilot=pilot, create=True, patience=_PATIENCE)
     logging.getLogger("waitress.queue").setLevel(logging.ERROR)  # requests that wait for a thread are normal
     try:
@@ -63,6 +65,14 @@ def serve(
         server.close()
     finally:
         store.close()
+
+
+def _allow_open_files() -> None:
+    """Raise the limit of open files, so that slow or idle connections keep nobody out."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = 2 * _MAX_CONNECTIONS if hard == resource.RLIM_INFINITY else min(2 * _MAX_CONNECTIONS, hard)
+    if soft != resource.RLIM_INFINITY and soft < wanted:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
 
 
 def _server(app: Flask, host: str, port: int) -> MultiSocketServer | TcpWSGIServer:

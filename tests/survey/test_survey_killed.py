@@ -1,5 +1,9 @@
 """The server is killed while people answer. The long form is `make bench-survey`."""
 
+import socket
+import urllib.request
+from contextlib import ExitStack
+
 from tests.helpers.crowd import Crowd
 from tests.helpers.killing import kill_under_load
 from tests.helpers.served import serving
@@ -19,3 +23,13 @@ def test_many_come_at_once_and_none_sees_an_error(kit) -> None:
         crowd.wait()
     assert crowd.failures == []
     assert all(person.submitted and len(person.acknowledged) == 6 for person in crowd.people)
+
+
+def test_a_thousand_slow_connections_keep_nobody_out(kit) -> None:
+    with serving(kit) as server, ExitStack() as slow:
+        port = int(server.address.rpartition(":")[2])
+        for _ in range(1010):  # more than waitress takes by default, 100, and than version 0.1.0 took
+            line = slow.enter_context(socket.create_connection(("127.0.0.1", port), timeout=30))
+            line.sendall(b"POST /consent HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000\r\n\r\na")
+        with urllib.request.urlopen(f"{server.address}/", timeout=60) as reply:  # noqa: S310 - it is http
+            assert "I agree and want to take part" in reply.read().decode()
