@@ -7,6 +7,7 @@ from dataclasses import replace
 import pandas as pd
 
 from emovid.csv_reader import Table
+from emovid.responses.columns import is_counted
 from emovid.responses.exclusions import FALSE, TRUE
 from emovid.responses.labels import number, plain
 from emovid.responses.parsed_export import Column, Known
@@ -20,9 +21,11 @@ def with_choices(table: Table, known: Known) -> Table:
     """Return the table with one column of labels instead of each set of columns of 0 and 1.
 
     The names of a set differ in a label only, as in `z8r4[happiness]` and `z8r4[fear]`. A map that names columns of
-    answers, or gives labels to numbers, turns this off.
+    the file for answers, or gives labels to numbers, turns this off.
     """
-    if known.mapping.response or known.mapping.videos or known.labels.is_declared("1"):
+    named = (*known.mapping.response, *known.mapping.codes_of_columns)
+    is_mapped = bool(named) and all(title in table.names for title in named)
+    if is_mapped or known.mapping.codes_in_order or known.labels.is_declared("1"):
         return table
     sets: dict[str, dict[int, str]] = {}
     for place, name in enumerate(table.names):
@@ -60,7 +63,7 @@ def _option(name: str, known: Known) -> tuple[str, str] | None:
     """Return the name without its label, and the label, of a name such as `z8r4_happiness`."""
     parts = re.split(r"([^\W_]+)", name)
     found = [i for i in range(1, len(parts), 2) if known.labels.is_label(parts[i])]
-    if len(found) != 1:
+    if len(found) != 1 or is_counted(name):
         return None
     rest = "".join(parts[: found[0]] + parts[found[0] + 1 :]).strip(" ._-[]()/:=")
     return rest or "choice", known.labels.find(parts[found[0]]) or ""

@@ -19,6 +19,7 @@ from emovid.responses.mapping import ExportMap, read_mapping, unknown_column
 from emovid.responses.parsed_export import Known, ParsedExport, no_answers
 from emovid.responses.responses import EMOTIONS, Responses, Source
 
+_WITH_SURVEYS = ("jsPsych", "psiTurk", "reVISit")  # groups are within cells, and not names of columns
 MOST_REJECTED = 0.1  # largest share of answers, rows and participants that may be rejected
 
 
@@ -293,6 +294,8 @@ def _check_columns(said: ExportMap, files: Sequence[_File]) -> None:
     names = [name for file in files for name in (*file.table.names, *file.table.texts)]
     spelled = {plain(name) for name in names}
     paths: list[tuple[tuple[str, ...], str]] = [(("drop", title), title) for title in said.drop]
+    if not any(file.dialect.name in _WITH_SURVEYS for file in files):
+        paths += [(("groups", group), title) for group, title in said.groups.items()]
     paths += [(("rows", "keep", title), title) for title in said.rows.keep]
     paths += [(("rows", "leave_out", title), title) for title in said.rows.leave_out]
     for path, title in paths:

@@ -340,7 +340,9 @@ def psiturk() -> Export:
         events.append([person, "focus", 12, "on", 1700000000])
     files = {"trialdata.csv": trials, "questiondata.csv": questions, "eventdata.csv": events}
     encoded = {name: table(rows, eol="\n").encode() for name, rows in files.items()}
-    return Export(encoded, "psiTurk", "", {"test run": 1}, positions=True, skipped=1)
+    export = Export(encoded, "psiTurk", "", {"test run": 1}, positions=True, skipped=1)
+    export.left_out = {"practice": 8}
+    return export
 
 
 def pymushra() -> Export:

@@ -49,7 +49,8 @@ def test_every_dialect_says_the_same(make, tmp_path) -> None:
     assert found.labels == found.signalled == EMOTIONS
     assert found.counts().tolist() == COUNTS
     assert len(found.answers) == 48
-    assert [(row.row, row.cell) for row in found.rejected] == [(0, "")] * export.skipped
+    rejected = [row for row in found.rejected if not row.reason.startswith("left out: ")]
+    assert [(row.row, row.cell) for row in rejected] == [(0, "")] * export.skipped
     assert (found.dropped, found.left_out) == (export.dropped, export.left_out)
     by_person = found.answers.pivot(index="participant", columns="video", values="perceived")[list(CODES)]
     assert sorted(map(tuple, by_person.to_numpy())) == sorted(tuple(given.values()) for given in ANSWERS.values())

@@ -47,7 +47,7 @@ def refusal(read, tmp_path):
 
 def note_of(found: Responses) -> str:
     (source,) = found.sources
-    assert source.note == "" or any(source.note in warning for warning in analyze(found).warnings)
+    assert source.note == "" or any(source.note in warning for warning in analyze(found).notes)
     return source.note
 
 

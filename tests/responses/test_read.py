@@ -120,7 +120,8 @@ def test_a_label_that_no_video_stands_for_is_a_row_without_a_column(read) -> Non
 
 
 def test_what_the_circumplex_leaves_out_is_said(read) -> None:
-    said = analyze(read(HEAD + "a,awe,fear,f\na,fear,awe,f\n", labels=["awe", "fear"])).warnings
+    found = analyze(read(HEAD + "a,awe,fear,f\na,fear,awe,f\n", labels=["awe", "fear"]))
+    said = (*found.warnings, *found.notes)
     assert (
         "awe: no known place on the circumplex, so there is no figure of it, and tests of valence, arousal and near "
         "neighbours leave them out"
