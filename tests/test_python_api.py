@@ -41,10 +41,10 @@ def test_the_version_is_that_of_the_package() -> None:
 
 def test_reprs_are_one_short_line() -> None:
     scene = emovid.load_scene("fear", {"duration": 1})
-    responses = emovid.read_responses(REFERENCE)
+    run, responses = emovid.simulate(scene), emovid.read_responses(REFERENCE)
     for value, said in (
         (scene, "Scene(fear, 15 robots, 1 s, seed 1)"),
-        (emovid.simulate(scene), "Trajectory(fear, 15 robots, 5 samples, 1 s)"),
+        (run, f"Trajectory(fear, 15 robots, {len(run.t)} samples, 1 s)"),
         (responses, "Responses(45 participants, 270 answers, 6 labels)"),
         (emovid.analyze(responses), "StudyResults(270 answers to 6 emotions)"),
     ):
