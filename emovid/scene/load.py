@@ -258,7 +258,12 @@ def _plain(value: Any) -> Any:
 def _located(key: str, value: Any) -> Any:
     """Return the value of a key, where it names an existing file of the user by its path from everywhere."""
     is_file = key.rpartition(".")[2] == "file" or (key == "robot.model" and str(value).endswith((".yaml", ".yml")))
-    return str(Path(value).resolve()) if is_file and isinstance(value, str) and Path(value).is_file() else value
+    if not (is_file and isinstance(value, str)):
+        return value
+    try:
+        return str(Path(value).resolve()) if Path(value).is_file() else value
+    except OSError:  # a name that no file can have, such as one that is too long: validation reports it
+        return value
 
 
 def _cut_snapshots(data: dict[str, Any], own: Any) -> None:

@@ -210,10 +210,10 @@ def test_file_too_large_for_a_scene(capsys, tmp_path):
         (["--set", "stage={corners: null}"], "--set stage={corners: null}: stage.corners: empty: expected a list"),
         (["--set", "stage={corners: [[0, 0], [1, 0], [1, 1]]}"], "--set stage={corners: [[0, 0], [1, 0], [1, 1]]}: "
                                                                "stage.corners.0: [0, 0]: expected a group of keys"),
-        (["--seed", "-1"], "--seed -1: seed: -1: expected at least 0"),
+        (["--seed", "-1"], "--seed -1: expected a whole number, at least 0 (did you mean 0?)"),
         (["--size", "1281x720"], "--size 1281x720: video.size: 1281x720: expected two even numbers from 64 to 8192, "
                                  "as in 1280x720"),
-        (["--fps", "0"], "--fps 0: video.fps: 0: expected at least 1"),
+        (["--fps", "0"], "--fps 0: expected a whole number, at least 1 (did you mean 1?)"),
     ],
 )  # fmt: skip
 def test_override_is_named(options, expected, capsys, tmp_path):
