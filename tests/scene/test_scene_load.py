@@ -181,8 +181,9 @@ def test_digest_counts_defaults_left_out():
 
 def another(key, value):
     words = {"kinematics": "single_integrator", "wheel_max": 0.1, "size": "640x360", "limits": {"v_max": 0.1},
-             "seconds": 3, "ahead": 0.001, "format": "webm", "theme": "dark", "snapshots": [0, 1], "view": "perspective",
-             "distance": 2, "tilt": 30, "field_of_view": 60, "lights": [{"x": 0, "y": 0, "radius": 0.001}]}  # fmt: skip
+             "seconds": 3, "format": "webm", "theme": "dark", "snapshots": [0, 1], "view": "perspective",
+             "distance": 2, "tilt": 30, "field_of_view": 60, "lights": [{"x": 0, "y": 0, "radius": 0.001}],
+             "ahead": 0.001}  # fmt: skip
     name = key.split(".")[-1]
     if name in words:
         return words[name]
