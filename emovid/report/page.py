@@ -85,7 +85,11 @@ def report_html(
 
 def _environment() -> Environment:
     environment = Environment(
-        loader=PackageLoader("emovid.report", "."), autoescape=True, undefined=StrictUndefined, auto_reload=False
+        loader=PackageLoader("emovid.report", "."),
+        autoescape=True,
+        undefined=StrictUndefined,
+        auto_reload=False,
+        keep_trailing_newline=True,
     )
     environment.filters |= {
         "apa": apa.sentence,
