@@ -124,7 +124,7 @@ def test_what_the_circumplex_leaves_out_is_said(read) -> None:
     said = (*found.warnings, *found.notes)
     assert (
         "awe: no known place on the circumplex, so there is no figure of it, and tests of valence, arousal and near "
-        "neighbours leave them out"
+        "neighbors leave them out"
     ) in said
     assert not any("circumplex" in line for line in analyze(read(HEAD + "a,fear,fear,f\n")).warnings)
 
