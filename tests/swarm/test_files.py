@@ -17,7 +17,7 @@ from emovid.swarm.trajectory import Trajectory
 
 @pytest.fixture(scope="module")
 def run(make_scene) -> Trajectory:
-    return simulate(make_scene("disgust", {"duration": 2}))
+    return simulate(make_scene("disgust", {"duration": 2, "control_period": 0.25}))
 
 
 def test_npz_holds_what_it_promises(run, tmp_path) -> None:
