@@ -20,9 +20,9 @@ Versions = Mapping[str, str]
 _ROOT = Path(__file__).parent.parent
 _IMPORTED_AT: int = sys.modules["emovid"].IMPORTED_AT  # [ns]
 _MODULES: Mapping[RecordKind, tuple[str, ...]] = {
-    "video": ("scene", "swarm", "video"),
-    "trajectory": ("scene", "swarm"),
-    "measure": ("scene", "swarm", "measure"),
+    "video": ("yaml_models", "scene", "swarm", "video"),
+    "trajectory": ("yaml_models", "scene", "swarm"),
+    "measure": ("yaml_models", "scene", "swarm", "measure"),
     "sheet": ("video", "figures", "batch"),
 }
 _PACKAGES: Mapping[RecordKind, tuple[str, ...]] = {
@@ -97,14 +97,14 @@ class _Sources:
 
     def __init__(self) -> None:
         rooms = sorted({room for rooms in _MODULES.values() for room in rooms})
-        self._stamps = {path: _stamp(path) for room in rooms for path in sorted((_ROOT / room).glob("*.py"))}
+        self._stamps = {path: _stamp(path) for room in rooms for path in _files(room)}
         self._imported: dict[Path, str] = {}  # digests of imported modules
 
     def digest(self, rooms: tuple[str, ...]) -> str:
         """Return a digest of all modules of some rooms."""
         sha = hashlib.sha256()
         for path in self._stamps:
-            if path.parent.name in rooms:
+            if _dotted(path)[0] in rooms:
                 sha.update(self._digest(path).encode())
         return sha.hexdigest()[:16]
 
@@ -116,11 +116,22 @@ class _Sources:
             digest = _content_digest(path, stamp)
         except OSError:
             stamp, digest = (0, 0, 0), "missing"
-        if ".".join(("emovid", path.parent.name, path.stem)) in sys.modules:
+        if ".".join(("emovid", *_dotted(path))) in sys.modules:
             if stamp != self._stamps[path] or stamp[1] > _IMPORTED_AT:
                 raise EmovidError(f"{path}: was edited while emovid was running: start this process again")
             self._imported[path] = digest
         return digest
+
+
+def _files(room: str) -> list[Path]:
+    """Return the files of a package of ours, or the one file of a module."""
+    folder = _ROOT / room
+    return sorted(folder.glob("*.py")) if folder.is_dir() else [_ROOT / f"{room}.py"]
+
+
+def _dotted(path: Path) -> tuple[str, ...]:
+    """Return the parts of the name of a module inside emovid."""
+    return path.relative_to(_ROOT).with_suffix("").parts
 
 
 def _stamp(path: Path) -> _Stamp:
