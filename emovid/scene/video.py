@@ -209,10 +209,12 @@ def _default_tilt(y: float, z: float, stage: Stage, tallest: float) -> float:
 def _default_distance(video: Video, stage: Stage, tallest: float) -> float:
     """Return the smallest distance [m] at which the stage fills the width of a picture that is not distorted.
 
-    It is at most the distance at which the camera sees the near edge 45 degrees below the horizontal.
+    It is at most the distance at which the camera sees the near edge 45 degrees below the horizontal, and no camera
+    stands over the stage.
     """
     left, bottom, right, top = stage.box
-    height, near, far = video.camera.height, 0.0, (top - bottom) / 2 + video.camera.height
+    height, near = video.camera.height, (top - bottom) / 2
+    far = near + height
     if video.camera.tilt is not None or video.camera.field_of_view is not None:
         return far
     free = MARGIN * min(video.width, video.height)

@@ -46,11 +46,13 @@ def radius(contour: Contour, theta: Array, t: float) -> Array:
 def expanding_radius(contour: ExpandingCircle, t: float) -> float:
     """Return the radius [m] of an expanding circle at time `t` [s]."""
     growth = contour.R_max - contour.R_min
-    expansion, back = growth / contour.expansion_rate, contour.return_time or 0.0
-    phase = t % (expansion + back)
-    if phase < expansion or not back:
+    if not contour.return_time:
+        return contour.R_min + (contour.expansion_rate * t) % growth
+    expansion = growth / contour.expansion_rate
+    phase = t % (expansion + contour.return_time)
+    if phase < expansion:
         return contour.R_min + min(contour.expansion_rate * phase, growth)
-    return contour.R_min + growth * (1 + cos(pi * (phase - expansion) / back)) / 2
+    return contour.R_min + growth * (1 + cos(pi * (phase - expansion) / contour.return_time)) / 2
 
 
 def settled_points(contour: Contour, theta_0: Array, K: float) -> Array:
