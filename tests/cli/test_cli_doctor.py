@@ -84,6 +84,12 @@ def test_an_extra_that_is_missing_does_not_fail(capsys, monkeypatch) -> None:
 
 
 def test_a_browser_is_named_if_there_is_one(capsys, monkeypatch) -> None:
+    monkeypatch.setattr(
+        doctor, "_BROWSERS", ("no-such-browser", "sh")
+    )  # the first that is installed, also without a screen
+    assert main(["doctor", "--json"]) == 0
+    assert found(capsys)["browser"]["found"] == "sh"
+    monkeypatch.setattr(doctor, "_BROWSERS", ())
     monkeypatch.setattr(webbrowser, "get", lambda: webbrowser.GenericBrowser("surf"))
     assert main(["doctor", "--json"]) == 0
     assert found(capsys)["browser"]["found"] == "surf"

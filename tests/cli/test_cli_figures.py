@@ -74,12 +74,18 @@ def test_quiet_says_nothing_and_json_says_what_was_made(capsys) -> None:
     assert said.err == ""
 
 
-def test_frames_of_any_scene_at_any_times(capsys) -> None:
+def test_frames_of_any_scene_at_any_times() -> None:
     main(["scene", "new", "mine.yaml", "--from", "sadness"])
     assert main(["figures", "frames", "mine.yaml", "--times", "0,2.5,8,15", "--format", "svg"]) == 0
     assert files() == {"mine.yaml", "figures/mine-frames.svg"}
-    assert main(["figures", "frames", "sadness", "--format", "svg", "-o", "other"]) == 0
-    assert main(["figures", "sadness-frames", "--format", "svg"]) == 0
+
+
+def test_the_paper_s_frames_are_those_of_its_scene_with_full_traces() -> None:
+    traces = ["video.trails.robots=5", "video.trails.seconds=null", "video.trails.fade=false"]
+    settings = [*traces, f"video.colours.trails=[{', '.join(5 * ['theme'])}]"]
+    said = [word for setting in settings for word in ("--set", setting)]
+    assert main(["figures", "frames", "sadness", "--format", "svg", "--quiet", "-o", "other", *said]) == 0
+    assert main(["figures", "sadness-frames", "--format", "svg", "--quiet"]) == 0
     assert Path("other/sadness-frames.svg").read_bytes() == Path("figures/sadness-frames.svg").read_bytes()
 
 
@@ -156,9 +162,9 @@ def test_a_folder_that_cannot_be_written_to_is_said_before_figures_are_drawn(mon
         (["gritsbot", "zzz"], "zzz: no such figure; --list shows them"),
         (
             ["gritsbot", "--format", "pfd"],
-            "--format pfd: expected one of pdf, png, svg, tex, md, html (did you mean pdf?)",
+            "--format pfd: expected one of pdf, png, svg, eps, tex, md, html (did you mean pdf?)",
         ),
-        (["gritsbot", "--format", "tex"], "gritsbot: cannot be written as tex; expected one of pdf, png, svg"),
+        (["gritsbot", "--format", "tex"], "gritsbot: cannot be written as tex; expected one of pdf, png, svg, eps"),
         (
             ["gritsbot", "--style", "two-colum"],
             "--style two-colum: expected one-column or two-column (did you mean two-column?)",
