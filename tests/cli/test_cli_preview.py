@@ -60,7 +60,9 @@ def test_a_loop_is_small_and_plays_again_and_again() -> None:
 
 
 def test_a_contact_sheet_shows_the_start_and_the_end_of_a_run() -> None:
-    assert main(["preview", "happiness", "--set", "duration=4", "-o", "x.png", "-q"]) == 0
+    settings = ["duration=4", "video.trails={robots: 5, seconds: null, fade: false}", "video.colours.trails=[theme]"]
+    said = [word for setting in settings for word in ("--set", setting)]
+    assert main(["preview", "happiness", *said, "-o", "x.png", "-q"]) == 0
     sheet = np.asarray(Image.open("x.png").convert("RGB"), dtype=int)
     top = int(np.flatnonzero((sheet != 255).any(axis=(1, 2)))[0])
     left = int(np.flatnonzero((sheet != 255).any(axis=(0, 2)))[0])
