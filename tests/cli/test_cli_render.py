@@ -381,8 +381,8 @@ def test_quiet_says_nothing(capsys) -> None:
         (["fear", "--sed", "1"], "No such option: --sed (Possible options: --seed, --set, --size)"),
         (
             ["fear", "--set", "robots=900"],
-            "--set robots=900: robots: 900 robots do not fit into 0.6 m x 0.4 m at random with 60 mm between centres: "
-            "room was found for 51",
+            "--set robots=900: robots: 900 robots do not fit into 0.9 m x 0.6 m at random with 60 mm between centres: "
+            "room was found for 107",
         ),
     ],
 )  # fmt: skip
