@@ -135,7 +135,7 @@ def test_shuttling_on_the_way_is_not_seen(one) -> None:
 
 @pytest.mark.parametrize(("emotion", "tolerance"), [("happiness", 0.005), ("fear", 0.01), ("anger", 0.01)])
 def test_finer_control_periods_of_the_same_motion_change_next_to_nothing(make_scene, emotion, tolerance) -> None:
-    run = simulate(make_scene(emotion, {"duration": 6}))
+    run = simulate(make_scene(emotion))  # of its whole length: one cusp of 66 in 6 s would be more than 1 %
     coarse, fine = of(run), of(refined(run, 5))
     assert fine == pytest.approx(coarse, rel=tolerance, abs=1e-12)
 
@@ -184,9 +184,13 @@ def test_half_and_twice_the_step_tell_the_shipped_scenes_apart_too(make_scene, m
 
 
 def test_the_folds_of_surprise_are_its_only_corners(make_scene) -> None:
-    run = simulate(make_scene("surprise"))
+    run = simulate(make_scene("surprise", {"behaviour.return_time": None}))
     assert trace(Window(run, 0.0, 4.2))["sharp_corner_share"] == 0  # the radius starts again at 4.25 s
     assert 0 < trace(Window(run, 0.0, 15.0))["sharp_corner_share"] < 0.05
+
+
+def test_surprise_that_returns_smoothly_has_no_corners(make_scene) -> None:
+    assert trace(Window(simulate(make_scene("surprise")), 0.0, 15.0))["sharp_corner_share"] == 0
 
 
 def test_happiness_turns_by_its_ripples_and_sadness_by_its_ring(make_scene) -> None:
