@@ -19,7 +19,9 @@ REFERENCE = ROOT / "studies" / "santos-egerstedt" / "responses.csv"
 
 
 def test_every_public_function_is_documented_and_every_documented_one_exists() -> None:
-    assert {name for name, _ in SIGNATURES} | {"EmovidError", "InputError", "__version__"} == set(emovid.__all__)
+    assert {name for name, _ in SIGNATURES} | {"EmovidError", "InputError", "Trajectory", "__version__"} == set(
+        emovid.__all__
+    )
     assert set(emovid.__all__) <= set(dir(emovid))
 
 
