@@ -66,7 +66,7 @@ def with_ffmpeg(name: str, script: str, cause: str, first: str = "pass") -> Faul
         fake.chmod(fake.stat().st_mode | stat.S_IXUSR)
         trial.environment["IMAGEIO_FFMPEG_EXE"] = str(fake)
         trial.first = first
-        trial.command = ["render", "--all", "-o", str(trial.folder), *SMALL, "--jobs", "1"]
+        trial.command = ["render", "--all", "-o", str(trial.folder), *SMALL, "--force", "--jobs", "1"]
         _in_peace(trial)
 
     return Fault(name, inject, cause, fails=True)
