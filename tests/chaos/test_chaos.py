@@ -39,16 +39,22 @@ def test_a_fault_leaves_nothing_half_done(reference: Path, fault: Fault) -> None
     ("broken", "violation"),
     [
         (
-            "encoder.whole_file = contextlib.contextmanager(lambda target: (yield target))",
+            "cache._staging = contextlib.contextmanager(lambda folder: (yield folder));"
+            "encoder.whole_file = cache.whole_file = contextlib.contextmanager(lambda target: (yield target))",
             "is neither absent, nor the old one",
         ),
-        ("atomic_io._remove = lambda path: None", "temporary files left"),
+        (
+            "cache.shutil = atomic_io.shutil = SimpleNamespace(rmtree=lambda *_, **__: None);"
+            "atomic_io._remove = lambda path: None",
+            "temporary files left",
+        ),
         ("encoder._check_count = lambda *_: None", "exit code 0 with 0 of 6 complete"),
     ],
     ids=["writes in place", "leaves its temporary files", "does not count frames"],
 )
 def test_a_command_that_breaks_its_promise_is_noticed(reference: Path, broken: str, violation: str) -> None:
-    first = f"import contextlib; from emovid import atomic_io; from emovid.video import encoder; {broken}"
+    imports = "import contextlib; from types import SimpleNamespace; from emovid import atomic_io"
+    first = f"{imports}; from emovid.batch import cache; from emovid.video import encoder; {broken}"
     script = 'head -c 1000000 | "$real" "$@"; cat > /dev/null'
     fault = with_ffmpeg("an ffmpeg that loses frames", script, "of 30 frames", first)
     assert violation in "; ".join(try_fault(fault, reference, reference_run(reference)))
