@@ -99,7 +99,7 @@ class Record:
 
     @property
     def has_file(self) -> bool:
-        """Whether the result is a file or a folder; measurements exist only in the record."""
+        """True if the result is a file or a folder; measurements exist only in the record."""
         return self.only != "measure"
 
     def to_json(self) -> dict[str, Any]:

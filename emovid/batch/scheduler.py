@@ -36,7 +36,7 @@ class Pool(Protocol):
 
     @property
     def is_remote(self) -> bool:
-        """Whether the workers may lack access to the folders of this process."""
+        """True if the workers may lack access to the folders of this process."""
 
     def submit(self, work: Callable[..., Any], item: Any) -> "Future[Any]":
         """Start `work(item, on_step)`; `on_step` may be None."""

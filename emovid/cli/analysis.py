@@ -227,7 +227,7 @@ def compare(
 
 
 def _compared(video: VideoCompared) -> str:
-    """Return what is said of one emotion in two studies."""
+    """Return the sentences that compare one emotion in two studies."""
     if not all(video.n):
         return "no answers to compare"
     pair = video.rates

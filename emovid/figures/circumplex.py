@@ -32,7 +32,7 @@ _DIGIT = 0.73  # height of a digit in DejaVu Sans by the size of text
 
 
 class Position(NamedTuple):
-    """Where an emotion lies in the plane, -1 to 1 each, and who says so."""
+    """Position of an emotion in the plane, each coordinate from -1 to 1, with its source."""
 
     valence: float
     arousal: float

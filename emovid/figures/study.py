@@ -35,7 +35,7 @@ class LevelAccuracy:
 
 @dataclass(frozen=True, eq=False)
 class FigureData:
-    """What the figures of a study show.
+    """Data shown by the figures of a study.
 
     Attributes:
         counts: (labels, emotions) answers.

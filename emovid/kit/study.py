@@ -178,7 +178,7 @@ class Requirements(Keys):
 
 
 class Return(Keys):
-    """What a participant takes back to a recruitment service."""
+    """Code and link that a participant takes back to a recruitment service."""
 
     code: Text | None = Field(None, description="completion code to copy")
     link: Link | None = Field(None, description="return address; {NAME} stands for the value of a parameter")

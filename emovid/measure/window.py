@@ -85,7 +85,7 @@ class Window:
 
     @property
     def is_recorded(self) -> bool:
-        """Whether the motion was recorded elsewhere, so that there are no commands and no density."""
+        """True if the motion was recorded elsewhere, so that commands and density are missing."""
         return isinstance(self.trajectory.scene.behaviour, Recorded)
 
     @cached_property

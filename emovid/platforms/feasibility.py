@@ -1,4 +1,4 @@
-"""Whether a testbed can run a scene: what its rules and its motors say of the simulated run."""
+"""Feasibility of a scene on a testbed: a simulated run against the rules and the motors of the testbed."""
 
 from dataclasses import dataclass
 from typing import NamedTuple

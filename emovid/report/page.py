@@ -34,7 +34,7 @@ class Picture(NamedTuple):
 
 
 class GroupTable(NamedTuple):
-    """What the page shows of a group."""
+    """Content of the page about one group."""
 
     title: str
     figure: str

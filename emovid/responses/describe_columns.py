@@ -1,4 +1,4 @@
-"""What each column of an export was taken for, on which evidence, and a map.yaml to edit: `emovid study columns`."""
+"""`emovid study columns`: the role of each column of an export with the evidence, and a map.yaml to edit."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -43,7 +43,7 @@ class ColumnDescription:
 
 @dataclass(frozen=True)
 class Description:
-    """What was detected in an export.
+    """Roles detected in an export.
 
     Attributes:
         file: its name.

@@ -55,7 +55,7 @@ _FLAGS = {
 
 @dataclass(frozen=True)
 class Marks:
-    """What a tool says of its rows.
+    """Marks that a survey tool gives its rows.
 
     Attributes:
         people: rows whose participants are left out, by reason.

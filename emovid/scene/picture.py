@@ -30,7 +30,7 @@ class Grey(NamedTuple):
 
     @property
     def is_dark(self) -> bool:
-        """Whether any of it is darker than white."""
+        """True if any pixel is darker than white."""
         return min(self.values, default=255) < 255
 
 

@@ -141,7 +141,7 @@ class Body(Keys):
 
     @property
     def steers(self) -> bool:
-        """Whether it moves along its heading only."""
+        """True if the robot moves only along its heading."""
         return self.kinematics == "unicycle"
 
     @property

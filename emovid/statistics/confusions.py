@@ -114,7 +114,7 @@ def _projection(expected: Table, there: NDArray[np.bool_]) -> Table:
 
 @dataclass(frozen=True)
 class NearNeighbors:
-    """Whether wrong answers lie nearer to the signalled emotion on the circumplex than their margins have it.
+    """Test of wrong answers: are they nearer to the signaled emotion on the circumplex than their margins imply?
 
     Attributes:
         confusions: wrong answers, both emotions having a place on the circle.

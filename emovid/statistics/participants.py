@@ -182,7 +182,7 @@ def hit_distribution(emotions: tuple[tuple[int, int], ...], n: int) -> NDArray[n
 
 @dataclass(frozen=True, eq=False)
 class LabelUse:
-    """Whether some labels are preferred among wrong answers.
+    """Test of preferences for labels among wrong answers.
 
     Attributes:
         totals: answers by label (k,), right and wrong.
@@ -266,7 +266,7 @@ def _hotelling(values: NDArray[np.float64]) -> tuple[float, tuple[int, int], flo
 
 @dataclass(frozen=True, eq=False)
 class Order:
-    """Whether hits come with the place of a video in a participant's order.
+    """Test of the relation between hits and the position of a video in the order of a participant.
 
     Attributes:
         hits, n: right answers and answers at the 1st, 2nd, ... position.

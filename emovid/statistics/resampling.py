@@ -18,7 +18,7 @@ _ENDS = [2.5, 97.5]
 
 @dataclass(frozen=True)
 class Information:
-    """What answers tell about videos.
+    """Statistics of the answers to each video.
 
     Attributes:
         bits: mutual information of answers and videos, as found; NaN without answers.

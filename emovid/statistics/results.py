@@ -81,7 +81,7 @@ class GroupDifferences:
 
 @dataclass(frozen=True)
 class Provenance:
-    """Where results come from.
+    """Source of the results.
 
     Attributes:
         inputs: the files.

@@ -18,7 +18,7 @@ _MAX_VALUE = 200  # characters of a parameter
 
 @dataclass(frozen=True)
 class WayBack:
-    """What a participant takes back to the service: a code, a link, and the seconds until the page goes there."""
+    """Return to the recruitment service: a code, a link, and the seconds until the page follows it."""
 
     code: str | None
     link: str | None

@@ -28,7 +28,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Progress:
-    """What a participant has done since giving consent.
+    """Actions of a participant since giving consent.
 
     Attributes:
         has_questions: whether the study asks questions about the participant.

@@ -30,7 +30,7 @@ class Status(Enum):
 
 @dataclass(frozen=True)
 class Support:
-    """What a tool does with a part of the design, and what remains for the researcher."""
+    """Support of a tool for one part of the design, and the work that remains for the researcher."""
 
     status: Status
     note: str
