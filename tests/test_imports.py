@@ -5,21 +5,27 @@ import pytest
 
 RUN = """
 import sys
-from pathlib import Path
 
-from emovid.batch.job import Job, make
-from emovid.scene.load import Setting, load_scene
+from emovid.cli.main import main
 
-keys = [Setting("duration", 1.0, ""), Setting("video.size", "96x64", "")]
-make(Job(load_scene(sys.argv[1], keys), Path("x.mp4")))
+assert main(sys.argv[1:]) == 0
 print(*{name.split(".")[0] for name in sys.modules})
 """
+SMALL = ["--size", "96x64", "--fps", "5", "--set", "duration=1", "-q"]
 
 
-@pytest.mark.parametrize("emotion", ["happiness", "fear", "disgust", "anger"])
-def test_a_video_of_a_small_swarm_is_made_without_what_takes_long_to_import(emotion: str, tmp_path) -> None:
+@pytest.mark.parametrize(
+    "command",
+    [
+        *(["render", emotion, *SMALL] for emotion in ("happiness", "fear", "disgust", "anger")),
+        ["preview", "fear", "--set", "duration=1", "-q"],
+        ["simulate", "fear", "--set", "duration=1", "-q", "-o", "fear.csv"],
+    ],
+    ids=lambda command: " ".join(command[:2]),
+)
+def test_a_command_on_a_small_swarm_imports_no_slow_package(command: list[str], tmp_path) -> None:
     done = subprocess.run(
-        [sys.executable, "-c", RUN, emotion], cwd=tmp_path, capture_output=True, text=True, check=True
+        [sys.executable, "-c", RUN, *command], cwd=tmp_path, capture_output=True, text=True, check=True
     )
     imported = set(done.stdout.split())
     assert {"emovid", "numpy"} <= imported

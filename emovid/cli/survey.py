@@ -13,9 +13,9 @@ from emovid.cli.options import Force, Json, Quiet, check_file
 from emovid.csv_writer import csv_text
 from emovid.errors import EmovidError, InputError
 from emovid.survey.codes import digest, normalized, recruit_digest
-from emovid.survey.export import progress_of, responses_csv
+from emovid.survey.export import is_of_kit, progress_of, responses_csv
 from emovid.survey.store import Withdrawal, open_survey
-from emovid.workflows.outputs import STDOUT, is_of_kit, write_outputs
+from emovid.workflows.outputs import STDOUT, write_outputs
 
 Pilot = Annotated[bool, typer.Option("--pilot", help="Use the answers of the pilot, which have a file of their own.")]
 Release = Annotated[

@@ -1,9 +1,11 @@
 """The recorded answers as the table that `study analyze` reads, and the progress of the survey."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
+from pathlib import Path
 
+from emovid.csv_reader import read_bytes, read_table
 from emovid.csv_writer import csv_text
 from emovid.kit.folder import Kit
 from emovid.kit.manifest import Manifest
@@ -280,3 +282,13 @@ def _playback(watched: Playback, counting: Counting) -> str:
 
 def _since(person: Participant, moment: float | None) -> str:
     return "" if moment is None else f"{max(moment - person.enrolled, 0.0):.3f}"
+
+
+def is_of_kit(file: Path, codes: Collection[str]) -> bool:
+    """Return whether a file is a table of answers to the videos of a kit, which a later one may replace."""
+    if not file.is_file():
+        return False
+    table = read_table(read_bytes(file), str(file))
+    if "video" not in table.names or "participant" not in table.names:
+        return False
+    return set(table.cells[table.names.index("video")]) - {""} <= set(codes)

@@ -1,12 +1,11 @@
 """Writing the files of commands: a file with other content is never replaced unasked."""
 
 import sys
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import IO
 
 from emovid.atomic_io import file_digest, make_folder, whole_file, writing
-from emovid.csv_reader import read_bytes, read_table
 from emovid.errors import InputError
 
 STDOUT = Path("-")
@@ -52,13 +51,3 @@ def write_output(target: Path, write: Callable[[IO[bytes]], None], *, force: boo
 
 def _exists(target: Path) -> InputError:
     return InputError(f"{target} exists with other content; use --force to overwrite it, or -o")
-
-
-def is_of_kit(file: Path, codes: Collection[str]) -> bool:
-    """Return whether a file is a table of answers to the videos of a kit, which a later one may replace."""
-    if not file.is_file():
-        return False
-    table = read_table(read_bytes(file), str(file))
-    if "video" not in table.names or "participant" not in table.names:
-        return False
-    return set(table.cells[table.names.index("video")]) - {""} <= set(codes)
