@@ -16,8 +16,8 @@ from emovid.figures.style import DOUBLE_COLUMN, FAINT, INK, POINTS, QUIET, TEXT,
 from emovid.scene.behaviour import CircularSinusoid, Contour, ContourKeys, Coverage, ExpandingCircle
 from emovid.scene.model import Scene
 from emovid.swarm.arrays import Array
-from emovid.swarm.densities import density_of
-from emovid.swarm.laws import corners_of, coverage_velocity, followed_points, radius, start_angles
+from emovid.swarm.densities import Density, density_of
+from emovid.swarm.laws import corners_of, followed_points, lloyd, mass_and_centroid, radius, start_angles
 from emovid.swarm.start import start_poses
 from emovid.swarm.trajectory import Trajectory
 
@@ -33,7 +33,7 @@ _TURN = np.linspace(0, 2 * np.pi, 721)
 _ENDS = np.array([-1, 1])
 _COLOURS = LinearSegmentedColormap.from_list("density", matplotlib.colormaps["Blues"](np.linspace(0, 0.62, 64)))
 _DOTS = 300  # of the heat map per inch
-_STILL = 1e-5  # largest motion in a step of robots at rest [m]; a crowd around a peak keeps turning
+_STILL = 1e-5  # motion in a step of robots at rest [m]; a crowd around a peak keeps turning
 _MAX_STEPS = 2000
 
 
@@ -174,13 +174,13 @@ def converged(scene: Scene) -> Array:
     """Return the positions (N, 2) [m] to which the robots of a coverage scene converge from its own start.
 
     They are points without a heading, as in the paper, and go to the centroids of their Voronoi cells in each step.
+
+    Raises:
+        ValueError: for a scene without a density.
     """
     points = start_poses(scene, np.random.default_rng(scene.seed))[:, :2]
-    for _ in range(_MAX_STEPS):
-        before, points = points, centroids(scene, points)
-        if np.abs(points - before).max() < _STILL:
-            break
-    return points
+    corners, density = corners_of(scene.stage), _density(scene)
+    return lloyd(points, corners, density, gain=_STILL**2 / len(points), steps=_MAX_STEPS)
 
 
 def centroids(scene: Scene, points: Array) -> Array:
@@ -189,21 +189,23 @@ def centroids(scene: Scene, points: Array) -> Array:
     Raises:
         ValueError: for a scene without a density.
     """
+    return mass_and_centroid(points, corners_of(scene.stage), _density(scene))[1]
+
+
+def _density(scene: Scene) -> Density:
     if not isinstance(scene.behaviour, Coverage):
         raise ValueError("only coverage has a density")
-    law = scene.behaviour.model_copy(update={"u_max": None, "kappa": 1.0})
-    return points + coverage_velocity(law, scene.stage, points)
+    return density_of(scene.behaviour.density, scene.stage)
 
 
 def density_map(scene: Scene, dots: float) -> Array:
     """Return the density over the stage's bounding box, `dots` per metre, as a share of its largest value."""
-    assert isinstance(scene.behaviour, Coverage)
     left, bottom, right, top = scene.stage.box
     columns, rows = (int(np.ceil(dots * extent)) for extent in (right - left, top - bottom))
     x = left + (np.arange(columns) + 0.5) * (right - left) / columns
     y = bottom + (np.arange(rows) + 0.5) * (top - bottom) / rows
     x, y = np.meshgrid(x, y)
-    phi = density_of(scene.behaviour.density, scene.stage).phi(x, y)
+    phi = _density(scene).phi(x, y)
     inside = np.all([edge.x * x + edge.y * y <= edge.offset for edge in scene.stage.edges], axis=0)
     return phi / phi[inside].max()
 
