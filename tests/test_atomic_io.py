@@ -68,7 +68,7 @@ def test_a_file_is_left_as_it_is_if_it_says_this_already(tmp_path) -> None:
     assert file.read_bytes() == b"2"
 
 
-def test_what_cannot_be_written_read_or_made_is_one_line(tmp_path) -> None:
+def test_files_that_cannot_be_written_or_read_give_one_line(tmp_path) -> None:
     (tmp_path / "folder").mkdir()
     with pytest.raises(EmovidError, match=r"folder: cannot be written: is a directory"):
         replace_if_changed(tmp_path / "folder", b"1")
@@ -188,7 +188,7 @@ def test_the_old_or_the_new_is_whole_after_a_kill_at_any_line(how, tmp_path) -> 
     assert states == sorted(states, key=["old old old", "new old old", "new new new"].index)
 
 
-def test_a_link_stays_and_what_it_points_to_is_replaced(tmp_path) -> None:
+def test_a_link_stays_and_its_target_is_replaced(tmp_path) -> None:
     (tmp_path / "disk" / "pictures").mkdir(parents=True)
     (tmp_path / "disk" / "pictures" / "old").touch()
     (tmp_path / "out").mkdir()

@@ -101,7 +101,7 @@ def test_a_quote_that_never_closes_costs_its_row_alone() -> None:
         (b"a,b\n\0\1\2,3\n", "f.csv: not text; expected CSV"),
     ],
 )
-def test_what_is_no_table_is_refused(data, message) -> None:
+def test_files_that_are_not_tables_are_refused(data, message) -> None:
     with pytest.raises(SourceError) as error:
         read_table(data, "f.csv")
     assert str(error.value) == message
@@ -131,7 +131,7 @@ words = st.text(st.characters(codec="utf-8", exclude_characters="\r\0", exclude_
 
 
 @given(st.lists(st.tuples(words, words, words), min_size=1, max_size=8))
-def test_what_the_csv_module_writes_is_what_is_read(rows) -> None:
+def test_output_of_the_csv_module_is_read_unchanged(rows) -> None:
     expected = [[cell.strip() for cell in row] for row in rows if any(cell.strip() for cell in row)]
     for quoting in (csv.QUOTE_MINIMAL, csv.QUOTE_ALL):
         data = written([["one", "two", "three"], *rows], quoting=quoting).encode()

@@ -36,7 +36,7 @@ def test_an_example_runs_as_it_stands(example, tmp_path, monkeypatch, capsys) ->
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=[path.stem for path in EXAMPLES])
-def test_an_example_is_short_and_says_what_it_is(example) -> None:
+def test_an_example_is_short_and_has_a_docstring(example) -> None:
     lines = example.read_text().splitlines()
     assert len(lines) < 30
     assert lines[0].startswith('"""')

@@ -102,7 +102,7 @@ def test_a_seed_gives_other_robots() -> None:
     assert Path("1/anger-frames.svg").read_bytes() != Path("2/anger-frames.svg").read_bytes()
 
 
-def test_another_study_gives_its_figures_and_what_it_lacks_is_left_out_of_all(capsys) -> None:
+def test_figures_of_another_study_leave_out_missing_groups(capsys) -> None:
     main(["study", "simulate", "-o", "m.csv", "--participants", "12"])
     main(["study", "analyze", "m.csv", "-o", "results", "--quiet"])
     capsys.readouterr()
@@ -122,7 +122,7 @@ def test_another_study_gives_its_figures_and_what_it_lacks_is_left_out_of_all(ca
     assert list(json.loads(capsys.readouterr().out)["figures"]) == ["attributes", "behaviours"]
 
 
-def test_what_a_study_lacks_is_left_out_of_all(capsys, monkeypatch) -> None:
+def test_figures_without_data_are_left_out(capsys, monkeypatch) -> None:
     few = {name: CATALOGUE[name] for name in ("gritsbot", "accuracy-gender", "confusion-matrix")}
     monkeypatch.setattr("emovid.workflows.figures.CATALOGUE", few)
     main(["study", "analyze", "--counts", str(ROOT / "studies/santos-egerstedt/counts.csv"), "-o", "r", "--quiet"])
@@ -146,7 +146,7 @@ def test_results_with_a_group_of_another_form_are_refused(capsys) -> None:
     assert main(["figures", "circumplex", "--study", "results", "--format", "svg", "--quiet"]) == 0
 
 
-def test_a_folder_that_cannot_be_written_to_is_said_before_figures_are_drawn(monkeypatch, capsys) -> None:
+def test_an_unwritable_folder_is_reported_before_figures_are_drawn(monkeypatch, capsys) -> None:
     monkeypatch.setattr(os, "access", lambda *_: False)  # the tests may be run by root, who can always
     assert main(["figures", "gritsbot", "-o", "theirs"]) == 1
     assert capsys.readouterr().err == "-o theirs: cannot be written to\n"

@@ -119,7 +119,7 @@ def film(text: str, name: str = "fear") -> SceneVideo:
     return SceneVideo(name, "said", "https://example.org/", text, b"", b"", (600, 400))
 
 
-def test_what_scenes_and_captions_say_is_shown_as_it_is() -> None:
+def test_texts_of_scenes_and_captions_are_shown_unchanged() -> None:
     bad = "</pre><script>alert('x')</script> & \"quoted\" é 漢"
     page = gallery_page([film(bad)], [Picture("a", "", bad, "png", b64decode(PIXEL), (3.5, 2))], bad)
     outline = Outline(page)

@@ -139,7 +139,7 @@ def test_claims_use_all_descriptors_whichever_are_shown(capsys) -> None:
         (["measure", "fear", "--same-rate"], "--same-rate: expected one recorded motion among the sources; given 0"),
     ],
 )
-def test_what_is_wrong_is_one_line(arguments: list[str], words: str, capsys) -> None:
+def test_a_mistake_gives_one_line(arguments: list[str], words: str, capsys) -> None:
     assert main(arguments) == 2
     said = capsys.readouterr()
     assert words in said.err

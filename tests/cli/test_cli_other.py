@@ -61,7 +61,7 @@ def test_simulate_refuses_files_it_cannot_write(tmp_path, capsys) -> None:
 
 
 @pytest.mark.parametrize("command", ["scene check", "scene show", "simulate", "preview", "check-platform"])
-def test_a_finished_run_is_said_to_be_one_where_a_scene_is_expected(command, capsys) -> None:
+def test_a_finished_run_in_place_of_a_scene_is_reported(command, capsys) -> None:
     Path("run.npz").write_bytes(b"PK")
     assert main([*command.split(), "run.npz"]) == 2
     assert capsys.readouterr().err == "run.npz: is a finished run; expected a scene (.yaml) or an emotion\n"

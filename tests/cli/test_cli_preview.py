@@ -71,7 +71,7 @@ def test_a_contact_sheet_shows_the_start_and_the_end_of_a_run() -> None:
     assert coloured[0] < coloured[1] < coloured[2]
 
 
-def test_a_format_that_is_none_is_one_line_and_leaves_nothing(capsys) -> None:
+def test_an_unknown_format_gives_one_line_and_leaves_nothing(capsys) -> None:
     assert main(["preview", "fear", "--format", "wemb"]) == 2
     assert capsys.readouterr().err == "--format wemb: expected one of gif, webm, mp4, png (did you mean webm?)\n"
     assert main(["preview", "fear", "-o", "x.avi"]) == 2

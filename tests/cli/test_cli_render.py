@@ -69,7 +69,7 @@ def test_a_format_is_what_the_output_s_name_or_an_option_says(capsys, arguments,
     assert "up to date" in capsys.readouterr().err
 
 
-def test_a_sequence_whose_picture_was_spoilt_is_made_again(capsys) -> None:
+def test_a_sequence_with_a_damaged_picture_is_made_again(capsys) -> None:
     render("--emotion", "anger", "--format", "png-sequence")
     before = Path("videos/anger/00002.png").read_bytes()
     Path("videos/anger/00002.png").write_bytes(b"spoilt")
@@ -122,7 +122,7 @@ def test_the_manifest_says_how_a_video_was_made() -> None:
     assert "libx264" in entry["encoder"]
 
 
-def test_what_is_up_to_date_is_not_made_again(capsys) -> None:
+def test_up_to_date_results_are_not_made_again(capsys) -> None:
     render("--emotion", "anger")
     made = Path("videos/anger.mp4").stat()
     capsys.readouterr()
@@ -145,7 +145,7 @@ def test_what_is_up_to_date_is_not_made_again(capsys) -> None:
     ],
     ids=["video lost", "video spoilt", "manifest lost", "manifest spoilt", "manifest of another kind"],
 )
-def test_what_is_missing_or_spoilt_is_made_again(spoil) -> None:
+def test_missing_or_damaged_results_are_made_again(spoil) -> None:
     render("--emotion", "anger")
     before = Path("videos/anger.mp4").read_bytes()
     spoil()

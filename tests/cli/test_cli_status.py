@@ -26,7 +26,7 @@ def test_a_folder_that_is_whole_is_one_line(capsys) -> None:
         assert capsys.readouterr() == ("2 results: 2 current\n", "")
 
 
-def test_what_is_wrong_is_a_line_each_and_exit_code_1(capsys) -> None:
+def test_each_problem_gives_one_line_and_exit_code_1(capsys) -> None:
     Path("videos/fear.mp4").unlink()
     assert main(["status", "videos"]) == 1
     assert capsys.readouterr().out.splitlines() == ["missing: fear.mp4", "2 results: 1 current, 1 missing"]
@@ -45,7 +45,7 @@ def test_rebuilding_adds_to_what_the_hashes_say_and_hides_none_of_it(capsys) -> 
     assert capsys.readouterr().out == by_hash
 
 
-def test_what_cannot_be_rebuilt_is_one_line(monkeypatch, capsys) -> None:
+def test_results_that_cannot_be_rebuilt_give_one_line(monkeypatch, capsys) -> None:
     def rebuild(*_: object) -> None:
         raise EmovidError("no room")
 

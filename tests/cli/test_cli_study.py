@@ -136,7 +136,7 @@ def test_a_replication_stands_beside_the_original(capsys) -> None:
         assert json.loads(capsys.readouterr().out) == found
 
 
-def test_what_one_study_did_not_ask_is_no_number(tmp_path, capsys) -> None:
+def test_labels_missing_in_one_study_have_no_number(tmp_path, capsys) -> None:
     (tmp_path / "a.csv").write_text("perceived,fear,anger\nfear,5,1\nanger,1,4\n")
     (tmp_path / "b.csv").write_text("perceived,anger\nfear,2\nanger,3\n")
     assert main(["study", "compare", "a.csv", "b.csv", "--json"]) == 0
@@ -198,7 +198,7 @@ def test_the_map_has_a_schema(capsys) -> None:
     assert {"participant", "truth", "rows", "repeats"} <= set(schema["properties"])
 
 
-def test_an_analysis_among_the_exports_is_none_of_them(tmp_path, capsys) -> None:
+def test_results_of_an_analysis_do_not_count_as_exports(tmp_path, capsys) -> None:
     exports = tmp_path / "exports"
     exports.mkdir()
     shutil.copy(REFERENCE / "responses.csv", exports)
@@ -231,7 +231,7 @@ def test_a_results_json_of_another_program_hides_nothing(tmp_path, capsys) -> No
         assert json.loads(capsys.readouterr().out)["n_participants"] == 45
 
 
-def test_who_is_taken_as_a_participant_is_said_where_no_name_says_it(tmp_path, capsys) -> None:
+def test_the_column_of_participants_is_reported_where_no_name_tells_it(tmp_path, capsys) -> None:
     lines = (REFERENCE / "responses.csv").read_text().splitlines()
     (tmp_path / "x.csv").write_text("\n".join([lines[0].replace("participant", "Code"), *lines[1:]]))
     assert main(["study", "analyze", "x.csv"]) == 0
@@ -242,7 +242,7 @@ def test_who_is_taken_as_a_participant_is_said_where_no_name_says_it(tmp_path, c
     assert said.count(note) == 2  # among the warnings, too
 
 
-def test_columns_take_labels_of_one_s_own(tmp_path, capsys) -> None:
+def test_columns_take_custom_labels(tmp_path, capsys) -> None:
     (tmp_path / "x.csv").write_text("participant,video,response\na,awe,calm\na,calm,awe\n")
     assert main(["study", "columns", "x.csv", "--labels", "awe,calm"]) == 0
     said = capsys.readouterr().out
@@ -304,7 +304,7 @@ def test_simulated_answers_are_marked_wherever_they_go(tmp_path, capsys) -> None
     assert "\nRECONSTRUCTED: these are not the answers of real participants\n" in capsys.readouterr().out
 
 
-def test_several_answers_to_an_emotion_are_said_where_studies_are_compared(tmp_path, capsys) -> None:
+def test_compare_reports_several_answers_to_an_emotion(tmp_path, capsys) -> None:
     rows = "".join(f"p{i},{v},{('fear', 'anger')[(i + j) % 2]}\n" for i in range(8) for j, v in enumerate("abc"))
     (tmp_path / "x.csv").write_text(f"participant,video,response\n{rows}")
     (tmp_path / "key.csv").write_text("video_code,true_emotion\na,fear\nb,fear\nc,anger\n")

@@ -189,7 +189,7 @@ def test_a_file_with_other_content_is_replaced_only_by_force(command, other, nam
     assert target.read_bytes() != before
 
 
-def test_a_trajectory_that_is_none_is_kept(capsys) -> None:
+def test_a_file_that_is_not_a_trajectory_is_kept(capsys) -> None:
     Path("x.npz").write_bytes(b"mine")
     assert main(["simulate", "ring.yaml", "-o", "x.npz"]) == 2
     expected = "x.npz: was not written by emovid; use --force to overwrite it, or -o\n"

@@ -75,7 +75,7 @@ def test_nothing_is_made_again_also_after_a_copy(capsys) -> None:
 
 
 @pytest.mark.parametrize("spoil", [Path.unlink, lambda path: path.write_bytes(b"spoilt")])
-def test_only_what_is_missing_or_spoilt_is_made(capsys, spoil) -> None:
+def test_only_missing_or_damaged_items_are_made(capsys, spoil) -> None:
     sweep("-o", "a", "--jobs", 1)
     before = contents("a")
     victim = next(Path("a").glob("fear-*.mp4"))

@@ -67,7 +67,7 @@ def test_a_table_is_cut_into_the_fewest_parts_that_fit(columns, parts, monkeypat
     assert max(map(len, shown)) <= columns
 
 
-def test_what_fits_nowhere_is_folded(monkeypatch) -> None:
+def test_long_names_are_wrapped_to_the_width_of_the_terminal(monkeypatch) -> None:
     name = "a-scene-whose-name-is-longer-than-the-terminal-is-wide.yaml"
     assert main(["scene", "new", name, "--quiet"]) == 0
     shown = on_a_screen(50, ["measure", name, "--set", "duration=0.3"], monkeypatch)

@@ -277,7 +277,7 @@ def test_densities_are_dark_where_they_are_high(make_scene) -> None:
     assert light[0] > light[-1] + 0.5
 
 
-def test_robots_on_a_density_are_where_they_are_said_to_be(make_scene) -> None:
+def test_robots_on_a_density_have_their_stated_positions(make_scene) -> None:
     points = np.array([[0.1, 0.2], [-0.3, 0.0]])
     figure = densities_figure([make_scene("fear")], [points])
     (drawn,) = discs(figure.axes[0], "robots")

@@ -138,7 +138,7 @@ def test_html_escapes_its_text() -> None:
     assert Cells(table_html(table)).rows == [["", "<b>"], ["A&b", "x < yLee et al. 2007"]]
 
 
-def test_what_the_paper_does_not_apply_is_marked() -> None:
+def test_attributes_that_the_paper_does_not_apply_are_marked() -> None:
     marked = {(name, cell.text): cell.note for name, cells in rows(ATTRIBUTES).items() for cell in cells if cell.note}
     assert marked == {
         ("fear", "downward pointing triangles"): 1,

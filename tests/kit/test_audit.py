@@ -460,7 +460,7 @@ def test_sizes_are_reported_by_what_is_needed(fresh) -> None:
     ids=["folder", "no manifest", "no json", "a list", "no question", "format", "no videos", "no duration", "orders",
          "orders in Latin-1", "orders a folder", "study", "key"],
 )  # fmt: skip
-def test_what_is_no_kit_is_one_line(kit, spoil, message) -> None:
+def test_a_folder_that_is_not_a_kit_gives_one_line(kit, spoil, message) -> None:
     spoil(kit)
     with pytest.raises(InputError, match=r".") as caught:
         audit(kit)

@@ -289,7 +289,7 @@ def test_a_finished_video_is_encoded_again_and_otherwise_like_the_others(fresh, 
 # --- what is there already -------------------------------------------------------------------------------------------
 
 
-def test_what_is_missing_or_changed_is_made_again_and_the_rest_kept(kit, fresh, tmp_path) -> None:
+def test_only_missing_or_changed_files_are_made_again(kit, fresh, tmp_path) -> None:
     missing, changed, *others = codes_in(kit)
     (kit / "public" / "videos" / f"{missing}.mp4").unlink()
     broken = kit / "public" / "videos" / f"{changed}.mp4"

@@ -293,7 +293,7 @@ def test_the_checklist_names_a_forced_choice_as_a_limit(fresh, tmp_path, greek) 
     assert '"None of these" is not offered: a forced choice' in (tmp_path / "checklist.md").read_text()
 
 
-def test_videos_of_one_s_own_stay_beside_exported_ones_and_a_video_that_is_missing_is_one_line(kit) -> None:
+def test_own_videos_stay_beside_exported_ones_and_a_missing_video_gives_one_line(kit) -> None:
     own = kit / "exports" / "jspsych" / "videos" / "practice.mp4"
     own.parent.mkdir(parents=True)
     own.write_bytes(b"mine")
@@ -336,7 +336,7 @@ def analyzed(kit: Kit, folder: Path) -> StudyResults:
     return analyze(read_responses(path, key=kit.folder.key))
 
 
-def test_what_is_not_known_is_left_to_do(fresh, tmp_path) -> None:
+def test_unknown_facts_are_marked_to_do(fresh, tmp_path) -> None:
     export(open_kit(fresh), "prereg", tmp_path)
     text = (tmp_path / "preregistration.md").read_text()
     assert f"### Hypotheses\n\n{OPEN}" in text

@@ -59,7 +59,7 @@ def test_a_video_that_would_be_seen_otherwise_than_the_others_is_refused(video, 
         check_video(changed(video, *options, before=before), LOOK)
 
 
-def test_what_is_no_video_is_refused(tmp_path) -> None:
+def test_a_file_that_is_not_a_video_is_refused(tmp_path) -> None:
     sound = tmp_path / "sound.wav"
     subprocess.run([ffmpeg.executable(), "-v", "error", "-f", "lavfi", "-i", "sine=duration=1", str(sound)], check=True)
     for path in (sound, Path(__file__)):

@@ -113,7 +113,7 @@ def test_a_scene_beside_the_study_is_found_from_it(tmp_path, monkeypatch) -> Non
     assert item.scene.robots == 6
 
 
-def test_a_scene_of_one_s_own_may_have_snapshots_after_the_end_of_the_stimuli(tmp_path) -> None:
+def test_a_custom_scene_may_have_snapshots_after_the_end_of_the_stimuli(tmp_path) -> None:
     folder = write_study(tmp_path, changed(("scene: fear", "scene: mine.yaml")))
     text = (ROOT / "configs" / "fear.yaml").read_text()
     assert "\nsnapshots: null" in text

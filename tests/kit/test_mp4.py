@@ -28,7 +28,7 @@ def test_boxes_are_found_inside_containers_with_their_places() -> None:
 
 
 @pytest.mark.parametrize("data", [b"abc", box(b"free")[:-1], struct.pack(">I4s", 7, b"free"), b"\0\0\0\x09free"])
-def test_what_is_no_box_is_refused(data) -> None:
+def test_invalid_mp4_boxes_are_refused(data) -> None:
     with pytest.raises(ValueError, match=r"no (whole )?box at byte 12"):
         list(boxes(box(b"ftyp", b"isom") + data))
 

@@ -167,7 +167,7 @@ def test_blinding_names_what_the_study_varies(kit) -> None:
     assert kit.manifest.key_commitment in text
 
 
-def test_what_only_the_researcher_knows_is_open(kit) -> None:
+def test_facts_that_only_the_researcher_knows_stay_open(kit) -> None:
     parts = fields(draft(kit))
     for name in ("Existing Data", "Stopping rule", "Is there any additional blinding in this study?"):
         assert parts[name].startswith(OPEN)
@@ -204,7 +204,7 @@ def test_the_fields_are_those_of_the_forms(fresh, tmp_path) -> None:
     assert numbered == list("12345678")
 
 
-def test_the_checklist_ticks_what_is_known_and_no_more(kit) -> None:
+def test_the_checklist_ticks_only_known_facts(kit) -> None:
     items = re.findall(r"^- \[(.)\] \*\*(.*?)\.\*\* (.*)$", draft(kit, "checklist.md"), re.MULTILINE)
     assert len(items) > 20
     for mark, name, answer in items:

@@ -152,7 +152,7 @@ def quoted(cell: str) -> str:
     return f'"{cell}"' if "," in cell else cell
 
 
-def test_what_jspsych_wrote_is_read(kit, tmp_path) -> None:
+def test_data_written_by_jspsych_are_read(kit, tmp_path) -> None:
     folder = tmp_path / "data"
     folder.mkdir()
     given = []
@@ -166,7 +166,7 @@ def test_what_jspsych_wrote_is_read(kit, tmp_path) -> None:
     assert set(found["groups"]) == {"age", "robotics_background", "country"}
 
 
-def test_what_limesurvey_wrote_is_read(kit, tmp_path) -> None:
+def test_data_written_by_limesurvey_are_read(kit, tmp_path) -> None:
     source = written(tmp_path / "export.csv", (EXPORTED / "limesurvey_codes.csv").read_text(encoding="utf-8"))
     mapping = kit.folder.exports / "limesurvey" / "map.yaml"
     with (EXPORTED / "limesurvey_codes.csv").open(encoding="utf-8-sig") as file:
@@ -177,7 +177,7 @@ def test_what_limesurvey_wrote_is_read(kit, tmp_path) -> None:
     assert set(found["groups"]) == {"age", "roboticsbackground", "country"}  # names of an earlier version
 
 
-def test_what_qualtrics_writes_as_numbers_is_read(kit, tmp_path) -> None:
+def test_numeric_exports_of_qualtrics_are_read(kit, tmp_path) -> None:
     source = written(tmp_path / "export.csv", (EXPORTED / "qualtrics_numbers.csv").read_text(encoding="utf-8"))
     with (EXPORTED / "qualtrics_numbers.csv").open(encoding="utf-8-sig") as file:
         rows = list(csv.DictReader(file))[2:]

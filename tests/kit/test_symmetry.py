@@ -68,7 +68,7 @@ def test_a_turned_ring_stays_on_its_stage(run_of) -> None:
         assert np.abs(poses[..., 1]).max() < 0.4
 
 
-def test_what_started_at_random_is_not_turned(run_of) -> None:
+def test_random_starts_are_not_turned(run_of) -> None:
     assert not can_turn(run_of("fear"))
 
 

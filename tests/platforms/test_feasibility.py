@@ -138,7 +138,7 @@ def test_command_reports_as_json(arguments, name, failed, capsys) -> None:
         (["render", "my.yaml", "--platform", "robotarium"], "--platform robotarium: my.yaml is no emotion"),
     ],
 )  # fmt: skip
-def test_what_is_wrong_is_one_line(arguments: list[str], words: str, capsys) -> None:
+def test_a_mistake_gives_one_line(arguments: list[str], words: str, capsys) -> None:
     assert main(arguments) == 2
     said = capsys.readouterr()
     assert words in said.err

@@ -163,7 +163,7 @@ def test_labels_of_any_marks_do_not_break_the_tables() -> None:
 
 
 @pytest.mark.parametrize("cell", ["=1+1", "+cmd", "-x", "@sum", "\tx", "\rx"])
-def test_what_a_spreadsheet_would_run_is_text(cell) -> None:
+def test_formulas_for_spreadsheets_become_text(cell) -> None:
     assert safe(cell) == "'" + cell
 
 
@@ -226,7 +226,7 @@ def test_the_report_needs_nothing_else() -> None:
     assert "is supported: 6 of 6" in page
 
 
-def test_a_report_judges_the_videos_that_were_shown_and_says_who_said_nothing() -> None:
+def test_a_report_judges_the_videos_shown_and_counts_participants_without_answers() -> None:
     study = responses(TABLE_III)
     labels = (*EMOTIONS, "neutral")
     silent = study.participants.assign(hand=["", *study.participants["hand"][1:]])

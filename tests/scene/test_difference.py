@@ -80,6 +80,6 @@ def test_json_has_values_in_full_and_leaves_out_what_is_absent(capsys) -> None:
     assert "first" not in rows["behaviour.density.sigma"]
 
 
-def test_a_scene_that_is_none_is_one_line(capsys) -> None:
+def test_an_invalid_scene_gives_one_line(capsys) -> None:
     assert main(["scene", "diff", "fear", "angr"]) == 2
     assert capsys.readouterr().err == "angr: no such file or emotion (did you mean anger?)\n"

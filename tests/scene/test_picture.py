@@ -67,7 +67,7 @@ def test_a_large_picture_is_kept_small(scene_file, tmp_path) -> None:
     assert picture.values[-1] == 238
 
 
-def test_what_is_transparent_is_white(scene_file, tmp_path) -> None:
+def test_transparent_pixels_count_as_white(scene_file, tmp_path) -> None:
     values = np.zeros((4, 4, 4), np.uint8)
     values[1, 2, 3] = 255
     save(tmp_path, values)

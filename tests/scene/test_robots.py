@@ -108,7 +108,7 @@ def test_a_worker_elsewhere_gets_the_robot_with_the_scene(tmp_path) -> None:
     assert pickle.loads(sent).robot.body.wheels.base == 0.03  # noqa: S301 - what we have just dumped
 
 
-def test_another_wheel_base_is_another_scene_but_another_comment_is_none(tmp_path) -> None:
+def test_a_wheel_base_changes_the_digest_and_a_comment_does_not(tmp_path) -> None:
     file = tmp_path / "mine.yaml"
     digests = []
     for text in (OWN, OWN.replace("0.03\nlimits", "0.031\nlimits"), f"# another\n{OWN}"):
@@ -142,7 +142,7 @@ def test_limits_of_the_model_are_those_of_a_robot_written_in_the_scene(limits) -
 
 
 @pytest.mark.parametrize("model", [3, None, ["gritsbot"]])
-def test_limits_of_no_model_are_said_to_need_one(model) -> None:
+def test_limits_without_a_model_are_refused(model) -> None:
     with pytest.raises(SourceError, match=r"test: robot.model: .*: expected a robot's name"):
         scene_of(model, limits="model")
 

@@ -89,7 +89,7 @@ def test_single_values(text, value):
 
 
 @pytest.mark.parametrize("text", ["[", "a: b: c", "*a", "!x 1", "1\n---\n2"])
-def test_single_value_that_is_none_names_the_option_without_a_line(text):
+def test_an_invalid_single_value_names_the_option_without_a_line(text):
     with pytest.raises(SourceError) as caught:
         read_value(text, "--set x")
     assert caught.value.where == "--set x"

@@ -126,7 +126,7 @@ def test_a_label_without_a_video_is_named_and_no_answer_is_missing() -> None:
     assert offered.dependence.cochran_q == without.cochran_q
 
 
-def test_who_was_left_out_is_said() -> None:
+def test_left_out_participants_are_reported() -> None:
     study = responses(TABLE_III)
     dropped = Responses(EMOTIONS, EMOTIONS, study.answers, study.participants, dropped={"preview": 2, "bot": 1})
     assert "participants left out: 2 preview, 1 bot" in analyze(dropped).warnings

@@ -61,7 +61,7 @@ def test_a_known_effect_is_covered() -> None:
     assert 0.3 < found.participant_sd < 1.2
 
 
-def test_what_cannot_be_modelled_is_refused() -> None:
+def test_impossible_models_are_refused() -> None:
     with pytest.raises(ValueError, match="all answers are right or all are wrong"):
         mixed_model(np.ones(4, dtype=bool), list("aabb"), list("vwvw"), {})
     with pytest.raises(ValueError, match="gender: one level, f; a model compares two or more"):

@@ -112,7 +112,7 @@ def test_the_keyboard_alone_is_enough(browser, server) -> None:
     context.close()
 
 
-def test_a_screen_reader_is_told_what_there_is(browser, server) -> None:
+def test_a_screen_reader_gets_the_names_of_groups_and_controls(browser, server) -> None:
     context = browser.new_context(**DESKTOP)
     page = context.new_page()
     page.goto(f"{server.address}/")

@@ -43,7 +43,7 @@ def take_part(answers: list[list[str]], *, pilot: bool = False, submit: bool = T
     return visitors
 
 
-def test_what_was_answered_is_what_the_analysis_counts(capsys) -> None:
+def test_the_analysis_counts_the_answers_given(capsys) -> None:
     answers = [[LABELS[(i + j * j) % 6] for j in range(6)] for i in range(4)]
     take_part(answers)
     take_part([["fear"] * 3, []], submit=False)

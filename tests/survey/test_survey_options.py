@@ -198,7 +198,7 @@ def test_a_failed_check_and_no_consent_have_codes_of_their_own(come, answers, fu
     assert "C0MPLETE" not in declined
 
 
-def test_requirements_are_said_first_and_checked(come, answers) -> None:
+def test_requirements_are_shown_first_and_checked(come, answers) -> None:
     assert "Please use a computer." in come().get("/").text
     assert "cannot be shown on this device" in agree(come(), device="phone").text
     assert "cannot be shown on this device" in agree(come(), width="599").text
@@ -394,7 +394,7 @@ def test_a_withdrawal_is_complete_only_when_no_log_holds_the_text(fresh, tmp_pat
     store.close()
 
 
-def test_what_a_reader_kept_is_erased_by_the_next_record(fresh, tmp_path, clock) -> None:
+def test_data_kept_by_a_reader_are_erased_by_the_next_record(fresh, tmp_path, clock) -> None:
     opened = open_public(fresh)
     path = tmp_path / "held.sqlite"
     store = Store(path, opened.manifest.key_commitment, clock, patience=0.2)

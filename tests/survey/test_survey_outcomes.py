@@ -230,7 +230,7 @@ def test_the_code_is_in_no_address_that_the_server_sees(visitor) -> None:
 
 
 @pytest.mark.parametrize("code", ["", "nonsense", "b" * 24, "' OR 1=1 --", "b" * 5000])
-def test_an_unknown_code_is_said_so_and_takes_nothing_away(visitor, code) -> None:
+def test_an_unknown_code_is_reported_and_deletes_nothing(visitor, code) -> None:
     someone = visitor().begin()
     cookie = someone.cookie
     reply = someone.post("/resume", code=code)

@@ -134,7 +134,7 @@ def test_codes_are_long_and_survive_being_copied_by_hand() -> None:
 
 
 @given(st.text(max_size=60))
-def test_what_is_no_code_is_none(text) -> None:
+def test_a_normalized_code_is_empty_or_the_text_without_separators(text) -> None:
     assert codes.normalized(text) in ("", "".join(text.split()).replace("-", "").lower())
 
 

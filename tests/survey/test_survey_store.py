@@ -54,7 +54,7 @@ def test_the_code_itself_is_nowhere_in_the_files(small, tmp_path) -> None:
     assert b"a-code-to-be-found" not in b"".join(file.read_bytes() for file in (tmp_path / "small").iterdir())
 
 
-def test_what_was_recorded_is_there_when_the_file_is_opened_again(small, tmp_path, clock) -> None:
+def test_records_are_there_when_the_file_is_opened_again(small, tmp_path, clock) -> None:
     person = enrolled(small)
     small.tell(person.id, {"gender": "Woman"})
     small.instruct(person.id)
@@ -68,7 +68,7 @@ def test_what_was_recorded_is_there_when_the_file_is_opened_again(small, tmp_pat
     again.close()
 
 
-def test_of_changes_the_last_counts_the_first_is_kept_and_a_repetition_is_none(small) -> None:
+def test_the_last_change_counts_the_first_is_kept_and_a_repetition_adds_nothing(small) -> None:
     person = enrolled(small)
     watched(small, person, 1)
     for response in ("fear", "fear", "anger", "anger", "fear"):
@@ -165,7 +165,7 @@ def test_withdrawal_leaves_nothing_in_any_file_and_no_number_is_given_again(smal
     assert b"Liechtenstein" not in b"".join(file.read_bytes() for file in (tmp_path / "small").iterdir())
 
 
-def test_what_a_page_of_who_has_withdrawn_meanwhile_reports_is_not_recorded(small) -> None:
+def test_reports_from_a_page_after_withdrawal_are_not_recorded(small) -> None:
     person = enrolled(small)
     small.withdraw(digest("code"))
     assert not watched(small, person, 1)
@@ -229,7 +229,7 @@ for number in itertools.count():
 """
 
 
-def test_what_was_acknowledged_before_a_kill_is_there_after_it(tmp_path) -> None:
+def test_acknowledged_answers_survive_a_kill(tmp_path) -> None:
     path = tmp_path / "answers.sqlite"
     script = [sys.executable, "-c", KILLED, str(path)]
     with subprocess.Popen(script, stdout=subprocess.PIPE, text=True) as process:

@@ -96,7 +96,7 @@ def test_a_file_may_have_any_name(name, tmp_path, monkeypatch) -> None:
 
 
 @pytest.mark.parametrize("data", [b"", b"no video", bytes(5000)])
-def test_what_is_no_video_is_refused(data, tmp_path) -> None:
+def test_a_file_that_is_not_a_video_is_refused(data, tmp_path) -> None:
     (tmp_path / "x.mp4").write_bytes(data)
     with pytest.raises(InputError, match=r"x\.mp4: cannot be read as a video"):
         frame_times(tmp_path / "x.mp4")
