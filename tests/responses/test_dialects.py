@@ -18,6 +18,7 @@ from tests.helpers.exports import (
     Export,
     jspsych,
     otree_wide,
+    pcibex,
     psychopy,
     qualtrics,
     revisit,
@@ -186,3 +187,12 @@ def test_a_trial_that_ran_out_of_time_is_no_answer(tmp_path) -> None:
     export.files = {name: data.replace(b'.mp4""]","0"', b'.mp4""]","null"') for name, data in export.files.items()}
     found = read(export, tmp_path)
     assert [row.reason for row in found.rejected] == ["no answer"] * sum(COUNTS[0])
+
+
+def test_a_pcibex_export_that_names_no_video_is_refused(tmp_path) -> None:
+    export = pcibex()
+    export.files = {name: data.replace(b".mp4", b"") for name, data in export.files.items()}
+    for code in CODES:
+        export.files = {name: data.replace(code.encode(), b"clip") for name, data in export.files.items()}
+    with pytest.raises(SourceError, match="video"):
+        read(export, tmp_path)

@@ -87,7 +87,8 @@ def _video_of_trial(table: Table, known: Known, submission: Column) -> Column:
         pairs = pairs[[*is_video, *([False] * len(is_video))]]
     pairs = pairs[pairs["code"] != ""].drop_duplicates()
     pairs = pairs[~pairs["trial"].duplicated(keep=False)]
-    return trials.map(dict(zip(pairs["trial"], pairs["code"], strict=True))).fillna("").astype("str")
+    videos = dict(zip(pairs["trial"], pairs["code"], strict=True))
+    return trials.map({trial: videos.get(trial, "") for trial in trials.unique()}).astype("str")
 
 
 def _is_choice(table: Table, known: Known, recognized: Column) -> Column:
