@@ -1,4 +1,4 @@
-"""Any scene that is accepted is simulated and drawn; any other is one line."""
+"""Every scene is either simulated and drawn or refused with a one-line message."""
 
 import numpy as np
 from hypothesis import HealthCheck, given, settings
@@ -45,7 +45,7 @@ SETTING = st.sampled_from(sorted(KEYS)).flatmap(lambda key: st.tuples(st.just(ke
 
 @given(st.sampled_from(list(EMOTIONS)), st.lists(SETTING, max_size=3), st.sampled_from(["overhead", "perspective"]))
 @settings(max_examples=150, suppress_health_check=[HealthCheck.too_slow])
-def test_any_scene_is_drawn_or_refused_in_one_line(emotion, pairs, view) -> None:
+def test_every_scene_is_drawn_or_refused_with_a_one_line_message(emotion, pairs, view) -> None:
     base = [("duration", 0.3), ("video.size", "64x64"), ("video.view", view)]
     refused = None
     try:

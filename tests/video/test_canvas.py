@@ -20,7 +20,7 @@ def stamp(canvas: Canvas, places: list[tuple[float, float]], size: float) -> Non
     canvas.stamp([Layer(Path.unit_circle(), rgba(["#ff0000"]))], turns, np.array(places), size)
 
 
-def test_a_new_canvas_has_changed_everywhere_and_then_nowhere() -> None:
+def test_new_canvas_reports_the_full_frame_as_changed_once() -> None:
     canvas = Canvas(WIDTH, HEIGHT, "#102030")
     assert canvas.changed() == [(0, HEIGHT, 0, WIDTH)]
     assert canvas.changed() == []
@@ -46,7 +46,7 @@ def test_nothing_changes_outside_the_boxes_of_stamps(places, size) -> None:
 
 
 @given(st.lists(PLACE, min_size=1, max_size=5), st.lists(LINE, min_size=1, max_size=3))
-def test_the_background_comes_back_to_the_pixel(places, lines) -> None:
+def test_restored_background_is_identical(places, lines) -> None:
     canvas = Canvas(WIDTH, HEIGHT, "#ffffff")
     stamp(canvas, places, 9.0)
     canvas.keep()
@@ -64,7 +64,7 @@ def test_boxes_of_a_long_line_are_small() -> None:
     assert inside(canvas.pixels, canvas.changed()).mean() < 0.03
 
 
-def test_what_is_drawn_everywhere_is_one_box() -> None:
+def test_full_frame_drawing_gives_a_single_box() -> None:
     canvas = Canvas(WIDTH, HEIGHT, "#ffffff")
     stamp(canvas, [(x, y) for x in range(0, WIDTH, 5) for y in range(0, HEIGHT, 5)], 6.0)
     assert canvas.changed() == [(0, HEIGHT, 0, WIDTH)]
@@ -80,7 +80,7 @@ LOOKS = {
 
 @pytest.mark.parametrize("look", LOOKS)
 @pytest.mark.parametrize("emotion", EMOTIONS)
-def test_all_that_changes_between_frames_is_in_the_boxes(make_scene, emotion, look) -> None:
+def test_boxes_contain_all_changes_between_frames(make_scene, emotion, look) -> None:
     painter = Painter(simulate(make_scene(emotion, {"duration": 3.5, "video.size": "640x360"} | LOOKS[look])))
     assert painter.changed() == [(0, 360, 0, 640)]
     before = painter.frame(0.0).copy()

@@ -22,12 +22,12 @@ SIZE = (96, 64)
 
 
 def pictures(count: int) -> list[np.ndarray]:
-    """Return frames of one grey each, told apart by it."""
+    """Return frames, each in a single gray of its own."""
     return [np.full((SIZE[1], SIZE[0], 4), [20 + 8 * k] * 3 + [255], np.uint8) for k in range(count)]
 
 
 def planes(frames: list[np.ndarray]) -> list[np.ndarray]:
-    """Return frames as an encoder of videos takes them."""
+    """Return the same frames as YUV planes, the input of the video encoder."""
     height, width = frames[0].shape[:2]
     return [Yuv420(width, height).convert(frame, [(0, height, 0, width)]) for frame in frames]
 
@@ -38,7 +38,7 @@ def write(target: Path, count: int = 12, told: int | None = None, **keys: object
 
 @pytest.fixture
 def use_ffmpeg(monkeypatch, tmp_path):
-    """Put a shell script in ffmpeg's place."""
+    """Replace ffmpeg by a shell script."""
 
     def use(script: str) -> None:
         fake = tmp_path / "ffmpeg"
@@ -53,14 +53,14 @@ def left(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir() if path.name != "ffmpeg")
 
 
-def test_frames_come_back_in_order(tmp_path) -> None:
+def test_frames_are_decoded_in_order(tmp_path) -> None:
     write(tmp_path / "x.mp4")
     frames = decode(tmp_path / "x.mp4", *SIZE)
     assert frames.shape == (12, 64, 96, 3)
     assert frames.mean(axis=(1, 2, 3)) == pytest.approx([20 + 8 * k for k in range(12)], abs=2)
 
 
-def test_frames_are_counted_without_trusting_anyone(tmp_path) -> None:
+def test_count_frames_is_zero_for_invalid_or_missing_files(tmp_path) -> None:
     write(tmp_path / "x.mp4", count=7)
     assert count_frames(tmp_path / "x.mp4") == 7
     (tmp_path / "bad.mp4").write_bytes(b"no video")
@@ -80,7 +80,7 @@ def test_frames_are_counted_without_trusting_anyone(tmp_path) -> None:
     ],
     ids=["no file", "dies midway", "dies at once", "frames lost", "too large", "killed"],
 )
-def test_a_failing_ffmpeg_leaves_the_old_file(tmp_path, use_ffmpeg, script, message) -> None:
+def test_failing_ffmpeg_keeps_the_existing_file(tmp_path, use_ffmpeg, script, message) -> None:
     target = tmp_path / "x.mp4"
     target.write_bytes(b"the old one")
     use_ffmpeg(script)
@@ -91,7 +91,7 @@ def test_a_failing_ffmpeg_leaves_the_old_file(tmp_path, use_ffmpeg, script, mess
     assert left(tmp_path) == ["x.mp4"]
 
 
-@pytest.mark.parametrize("count", [0, 100])  # nothing to take, and more than a pipe holds
+@pytest.mark.parametrize("count", [0, 100])  # ffmpeg reads nothing, and the frames exceed the buffer of the pipe
 def test_an_ffmpeg_that_hangs_is_killed(tmp_path, use_ffmpeg, monkeypatch, count) -> None:
     monkeypatch.setattr(ffmpeg, "IDLE_TIMEOUT", 0.3)
     use_ffmpeg("exec sleep 1000 < /dev/null" if count == 0 else "exec sleep 1000")
@@ -100,22 +100,22 @@ def test_an_ffmpeg_that_hangs_is_killed(tmp_path, use_ffmpeg, monkeypatch, count
     assert left(tmp_path) == []
 
 
-def test_a_missing_ffmpeg_is_named(tmp_path, monkeypatch) -> None:
+def test_missing_ffmpeg_is_reported_with_its_path(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(ffmpeg, "executable", lambda: "/nowhere/ffmpeg")
     with pytest.raises(RenderError, match=r"x\.mp4: ffmpeg cannot be started: /nowhere/ffmpeg: no such file"):
         write(tmp_path / "x.mp4")
 
 
-def test_a_machine_without_any_ffmpeg_is_told_how_to_get_one(monkeypatch) -> None:
+def test_without_ffmpeg_the_message_explains_how_to_install_it(monkeypatch) -> None:
     def none() -> str:
         raise RuntimeError("No ffmpeg exe could be found.")
 
     monkeypatch.setattr(ffmpeg.imageio_ffmpeg, "get_ffmpeg_exe", none)
     with pytest.raises(RenderError, match="no ffmpeg found: reinstall imageio-ffmpeg, or set IMAGEIO_FFMPEG_EXE"):
-        ffmpeg.executable.__wrapped__()  # without what it remembers
+        ffmpeg.executable.__wrapped__()  # clears the cached path
 
 
-def test_an_ffmpeg_that_cannot_be_asked_says_so(tmp_path, monkeypatch, use_ffmpeg) -> None:
+def test_ffmpeg_that_cannot_run_is_reported(tmp_path, monkeypatch, use_ffmpeg) -> None:
     monkeypatch.setattr(ffmpeg, "RUN_TIMEOUT", 0.1)
     use_ffmpeg("exec sleep 1000")
     with pytest.raises(RenderError, match=r"ffmpeg does not answer within 0\.1 s: /"):
@@ -133,7 +133,7 @@ def test_a_larger_rate_factor_makes_a_smaller_file(tmp_path) -> None:
     assert size["None"] == size["16"] > 2 * size["40"]
 
 
-def test_an_interruption_leaves_nothing(tmp_path) -> None:
+def test_interrupted_encoding_leaves_no_file(tmp_path) -> None:
     def interrupt(frames: int) -> None:
         if frames == 5:
             raise KeyboardInterrupt
@@ -144,7 +144,7 @@ def test_an_interruption_leaves_nothing(tmp_path) -> None:
 
 
 def test_a_full_disk_is_reported(tmp_path) -> None:
-    # A limit on file sizes ends ffmpeg like a full disk does, and needs no root.
+    # A limit on file sizes stops ffmpeg as a full disk would, without root permissions.
     code = (
         "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000));"
         "sys.path.insert(0, sys.argv[1]); from tests.video import test_encoder; import pathlib, emovid.errors\n"
@@ -177,7 +177,7 @@ def test_a_folder_that_vanishes_is_reported(tmp_path) -> None:
         write(folder / "x.mp4", on_frame=vanish)
 
 
-def test_what_a_killed_process_left_is_cleared(tmp_path) -> None:
+def test_leftovers_of_a_killed_process_are_removed(tmp_path) -> None:
     code = (
         "import os, pathlib, signal, sys; sys.path.insert(0, sys.argv[1]); from tests.video import test_encoder\n"
         "test_encoder.write(pathlib.Path(sys.argv[2]), on_frame=lambda k: os.kill(os.getpid(), signal.SIGKILL))"
@@ -187,15 +187,15 @@ def test_what_a_killed_process_left_is_cleared(tmp_path) -> None:
     assert done.returncode == -signal.SIGKILL
     deadline = time.monotonic() + 20
     while not (stale := left(tmp_path)) and time.monotonic() < deadline:
-        time.sleep(0.05)  # the ffmpeg that was left alone ends when its input does
+        time.sleep(0.05)  # the orphaned ffmpeg exits when its input ends
     assert len(stale) == 1
     assert stale[0].endswith(".part")
     write(target)
     assert left(tmp_path) == ["x.mp4"]
 
 
-def test_what_an_unwaited_process_left_is_cleared(tmp_path) -> None:
-    # In a container without an init, a killed worker stays a zombie for ever: its number is no sign of life.
+def test_leftovers_of_a_zombie_process_are_removed(tmp_path) -> None:
+    # In a container without an init process, a killed worker remains a zombie: its number exists, but it does not run.
     with subprocess.Popen([sys.executable, "-c", ""]) as ended:
         deadline = time.monotonic() + 20
         while Path(f"/proc/{ended.pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z":
@@ -206,7 +206,7 @@ def test_what_an_unwaited_process_left_is_cleared(tmp_path) -> None:
         assert left(tmp_path) == ["x.mp4"]
 
 
-def test_names_that_look_like_patterns_are_names(tmp_path) -> None:
+def test_glob_characters_in_file_names_are_literal(tmp_path) -> None:
     target = tmp_path / "[a]*.mp4"
     bystander = tmp_path / f".a.mp4.{DEAD}.part"
     bystander.write_bytes(b"")
@@ -215,7 +215,7 @@ def test_names_that_look_like_patterns_are_names(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("name", ["2026-11-23T16:10/x.mp4", "concat:x.mp4", "pipe:1.mp4", "-y.mp4", "100 %d.mp4"])
-def test_a_file_or_its_folder_may_have_any_name(name, tmp_path, monkeypatch) -> None:
+def test_special_characters_in_paths_are_accepted(name, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     target = Path(name)
     target.parent.mkdir(exist_ok=True)
@@ -224,7 +224,7 @@ def test_a_file_or_its_folder_may_have_any_name(name, tmp_path, monkeypatch) -> 
     assert left(tmp_path / target.parent) == [target.name]
 
 
-def test_what_a_living_process_writes_is_left_alone(tmp_path) -> None:
+def test_partial_files_of_a_live_process_are_kept(tmp_path) -> None:
     own = tmp_path / f".x.mp4.{PARENT}.part"
     own.write_bytes(b"")
     write(tmp_path / "x.mp4")
@@ -268,7 +268,7 @@ def write_sequence(target: Path, count: int = 12, **keys: object) -> None:
 
 
 @pytest.mark.parametrize("name", ["x%d", "10:30"])
-def test_pictures_are_the_frames_to_the_last_bit(name, tmp_path, monkeypatch) -> None:
+def test_png_sequence_holds_the_exact_frames(name, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     write_sequence(Path(name))
     assert left(tmp_path) == [name]
@@ -277,14 +277,14 @@ def test_pictures_are_the_frames_to_the_last_bit(name, tmp_path, monkeypatch) ->
         assert np.array_equal(np.asarray(Image.open(tmp_path / name / f"{k:05d}.png")), frame[..., :3])
 
 
-def test_a_sequence_takes_the_place_of_a_longer_one(tmp_path) -> None:
+def test_sequence_replaces_a_longer_sequence_completely(tmp_path) -> None:
     write_sequence(tmp_path / "x", 12)
     write_sequence(tmp_path / "x", 3)
     assert left(tmp_path) == ["x"]
     assert left(tmp_path / "x") == ["00000.png", "00001.png", "00002.png"]
 
 
-def test_an_interruption_leaves_the_old_sequence(tmp_path) -> None:
+def test_interrupted_sequence_keeps_the_old_one(tmp_path) -> None:
     def interrupt(frames: int) -> None:
         if frames == 5:
             raise KeyboardInterrupt
@@ -296,7 +296,7 @@ def test_an_interruption_leaves_the_old_sequence(tmp_path) -> None:
     assert len(left(tmp_path / "x")) == 3
 
 
-def test_pictures_that_are_missing_are_counted(tmp_path, use_ffmpeg) -> None:
+def test_incomplete_sequences_are_reported_with_their_frame_count(tmp_path, use_ffmpeg) -> None:
     use_ffmpeg('head -c 100000 | "$real" "$@"; cat > /dev/null')
     with pytest.raises(RenderError, match=r"x: ffmpeg wrote 4 of 12 frames$"):
         write_sequence(tmp_path / "x")
@@ -304,7 +304,7 @@ def test_pictures_that_are_missing_are_counted(tmp_path, use_ffmpeg) -> None:
 
 
 @pytest.mark.parametrize(("name", "message"), [("x", "is a file"), ("x/notes.txt", "holds notes.txt")])
-def test_a_sequence_replaces_nothing_else(tmp_path, name, message) -> None:
+def test_sequence_does_not_replace_other_files(tmp_path, name, message) -> None:
     (tmp_path / name).parent.mkdir(exist_ok=True)
     (tmp_path / name).write_text("mine")
     with pytest.raises(InputError, match=message):
@@ -313,7 +313,7 @@ def test_a_sequence_replaces_nothing_else(tmp_path, name, message) -> None:
     assert left(tmp_path) == ["x"]
 
 
-def test_what_a_killed_process_left_of_a_sequence_is_cleared(tmp_path) -> None:
+def test_leftover_sequences_of_a_killed_process_are_removed(tmp_path) -> None:
     stale = tmp_path / f".x.{DEAD}.part"
     stale.mkdir()
     (stale / "00000.png").write_bytes(b"")

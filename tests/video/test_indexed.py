@@ -9,7 +9,7 @@ PICTURES = arrays.arrays(np.uint8, (5, 4, 4), elements=st.sampled_from([0, 3, 77
 
 
 def shown(data: np.ndarray, height: int, width: int) -> np.ndarray:
-    """Return the colours (height, width, 3) that the data of a picture stand for."""
+    """Return the colors (height, width, 3) that the indexed data of a picture encode."""
     index, table = np.split(data, [height * width])
     return table.reshape(256, 4)[index.reshape(height, width)][..., 2::-1]
 
@@ -20,12 +20,12 @@ def convert(picture: np.ndarray, colours: np.ndarray) -> np.ndarray:
 
 
 @given(PICTURES)
-def test_a_picture_of_few_colours_is_exact(picture) -> None:
+def test_pictures_with_few_colors_are_exact(picture) -> None:
     assert np.array_equal(shown(convert(picture, frequent_colours([picture])), 5, 4), picture[..., :3])
 
 
 @given(arrays.arrays(np.uint8, (5, 4, 4)), st.lists(st.integers(0, 2**24 - 1), min_size=1, max_size=9, unique=True))
-def test_every_pixel_has_the_nearest_colour(picture, colours) -> None:
+def test_every_pixel_gets_the_nearest_palette_color(picture, colours) -> None:
     table = np.array([[c & 255, c >> 8 & 255, c >> 16] for c in colours])
     found = shown(convert(picture, np.array(colours, np.uint32)), 5, 4).astype(int)
     wanted = picture[..., :3].astype(int)
@@ -34,7 +34,7 @@ def test_every_pixel_has_the_nearest_colour(picture, colours) -> None:
 
 
 @given(PICTURES, PICTURES)
-def test_converting_what_changed_gives_what_converting_all_does(first, second) -> None:
+def test_partial_conversion_equals_full_conversion(first, second) -> None:
     colours = frequent_colours([first, second])
     follower = PaletteIndices(4, 5, colours)
     follower.convert(first, [(0, 5, 0, 4)])
@@ -43,7 +43,7 @@ def test_converting_what_changed_gives_what_converting_all_does(first, second) -
     assert np.array_equal(follower.convert(both, [(1, 3, 2, 4)]), convert(both, colours))
 
 
-def test_the_colours_kept_are_those_of_most_pixels() -> None:
+def test_palette_keeps_the_most_frequent_colors() -> None:
     picture = np.zeros((32, 32, 4), np.uint8)
     picture.view(np.uint32)[..., 0] = np.arange(1024).reshape(32, 32)
     picture[:16] = 9

@@ -22,7 +22,7 @@ BACK = np.array([0xFA, 0xFA, 0xF7])
 
 
 def parked(make_scene, poses: list[tuple[float, float, float]], **keys: object) -> Trajectory:
-    """Return a run in which robots stand at the poses."""
+    """Return a run in which robots stand still at the given poses."""
     listed = [dict(zip(("x", "y", "heading"), pose, strict=True)) for pose in poses]
     base = TRACES | {
         "robots": len(poses),
@@ -37,7 +37,7 @@ def parked(make_scene, poses: list[tuple[float, float, float]], **keys: object) 
 
 
 def ink(frame: np.ndarray) -> np.ndarray:
-    """Return how much each pixel differs from the stage, all colours together."""
+    """Return the difference of each pixel from the stage color, summed over the channels."""
     return np.abs(frame[..., :3].astype(float) - BACK).sum(axis=-1)
 
 
@@ -52,7 +52,7 @@ def centroid(weight: np.ndarray) -> np.ndarray:
 def around(
     frame: np.ndarray, painter: Painter, point: tuple[float, float], half: int = 40
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the part of a frame around a place, and where its lower left corner lies [pixels]."""
+    """Return the part of a frame around a position, and the position of its lower left corner [pixels]."""
     x, y = painter.camera.pixels(np.array(point)).astype(int)
     row = frame.shape[0] - y
     return frame[row - half : row + half, x - half : x + half], np.array([x - half, y - half])
@@ -60,7 +60,7 @@ def around(
 
 @pytest.mark.parametrize("shift", [0.0, 0.13, 0.5, 0.77])
 @pytest.mark.parametrize("model", ["gritsbot", "single_integrator"])
-def test_robots_stand_where_they_are_to_a_fraction_of_a_pixel(make_scene, model, shift) -> None:
+def test_robots_are_drawn_with_subpixel_accuracy(make_scene, model, shift) -> None:
     painter = Painter(parked(make_scene, [(0.0, 0.0, 0.0)], **{"robot.model": model, "video.trails.robots": 0}))
     x = 0.1 + shift / painter.camera.scale
     moved = Painter(
@@ -71,7 +71,7 @@ def test_robots_stand_where_they_are_to_a_fraction_of_a_pixel(make_scene, model,
     assert found == pytest.approx(moved.camera.pixels(np.array([x, -0.05])), abs=0.05)
 
 
-def test_slow_motion_is_even(make_scene) -> None:
+def test_slow_robots_move_evenly_between_frames(make_scene) -> None:
     # A tenth of a pixel a frame: with markers snapped to whole pixels the robot would stand and jump.
     scale = Painter(parked(make_scene, [(0.0, 0.0, 0.0)])).camera.scale
     places = []
@@ -83,7 +83,7 @@ def test_slow_motion_is_even(make_scene) -> None:
 
 
 @pytest.mark.parametrize("heading", [0.0, 1.0, 2.5, -2.0])
-def test_the_mark_points_to_the_front(make_scene, heading) -> None:
+def test_mark_points_in_the_heading_direction(make_scene, heading) -> None:
     painter = Painter(parked(make_scene, [(0.05, 0.02, heading)], **{"video.colours.front": "#ff0000"}))
     part, corner = around(painter.frame(0.0), painter, (0.05, 0.02))
     red = np.clip(part[..., 0].astype(float) - part[..., 1] - 60, 0, None)
@@ -92,7 +92,7 @@ def test_the_mark_points_to_the_front(make_scene, heading) -> None:
     assert np.hypot(*towards) == pytest.approx(0.03 * 0.1467 * painter.camera.scale, rel=0.15)  # a third from its base
 
 
-def test_wheels_stand_beside_the_body(make_scene) -> None:
+def test_wheels_are_drawn_beside_the_body(make_scene) -> None:
     painter = Painter(
         parked(make_scene, [(0.0, 0.0, 0.0)], **{"video.colours.wheels": "#00ff00", "video.trails.robots": 0})
     )
@@ -113,7 +113,7 @@ def test_the_drawn_outline_lies_within_the_body_that_spacing_is_measured_with(mo
 
 
 @pytest.mark.parametrize("model", shipped_robots())
-def test_the_rim_of_a_robot_is_all_that_is_near_it(model) -> None:
+def test_rim_covers_all_points_near_the_body(model) -> None:
     body, rim = load_robot(model), 0.0012
     outline = robot_rim(body, rim)
     parts = [path.interpolated(40).to_polygons() for name, path in robot_parts(body).items() if name != "front"]
@@ -129,7 +129,7 @@ def test_the_rim_of_a_robot_is_all_that_is_near_it(model) -> None:
 
 
 @pytest.mark.parametrize("corners", [TRIANGLE, HEXAGON, THIN])
-def test_a_stage_of_any_shape_is_drawn_with_its_edge_and_what_is_around_it(make_scene, corners) -> None:
+def test_stage_of_any_shape_is_drawn_with_edge_and_surroundings(make_scene, corners) -> None:
     middle = np.mean(corners, axis=0)
     painter = Painter(parked(make_scene, [(*middle, 0.0)], stage=keys_of(corners), **{"video.size": "1280x960"}))
     frame = painter.frame(0.0)[..., :3]
@@ -153,19 +153,19 @@ def test_a_stage_of_any_shape_is_drawn_with_its_edge_and_what_is_around_it(make_
     ("robots", "trails", "expected"),
     [(15, 5, [0, 3, 6, 9, 12]), (3, 5, [0, 1, 2]), (4, 0, []), (12, 4, [0, 3, 6, 9]), (7, None, list(range(7)))],
 )
-def test_trails_are_evenly_spread_around_a_ring(robots, trails, expected) -> None:
+def test_robots_with_trails_are_evenly_spaced_around_a_ring(robots, trails, expected) -> None:
     angles = 0.3 + 2 * np.pi * np.arange(robots) / robots
     assert trailed_robots(np.column_stack([np.cos(angles), np.sin(angles)]), trails).tolist() == expected
 
 
 @given(robots=st.integers(1, 30), trails=st.integers(1, 8), seed=st.integers(0, 1000))
-def test_trails_are_spread_over_a_random_swarm(robots, trails, seed) -> None:
+def test_robots_with_trails_are_spread_over_a_random_swarm(robots, trails, seed) -> None:
     poses = np.random.default_rng(seed).uniform(-1, 1, (robots, 3))
     chosen = trailed_robots(poses, trails).tolist()
     assert len(set(chosen)) == min(robots, trails)
 
 
-def test_trails_do_not_bunch_where_robots_start_at_random() -> None:
+def test_robots_with_trails_do_not_cluster_after_random_starts() -> None:
     for seed in range(50):
         poses = np.random.default_rng(seed).uniform([-0.6, -0.4], [0.6, 0.4], (15, 2))
         x, y = (poses - poses.mean(axis=0))[trailed_robots(poses, 5)].T
@@ -174,7 +174,7 @@ def test_trails_do_not_bunch_where_robots_start_at_random() -> None:
 
 
 @pytest.mark.parametrize("emotion", EMOTIONS)
-def test_a_frame_does_not_depend_on_those_before(emotion) -> None:
+def test_frames_are_independent_of_earlier_frames(emotion) -> None:
     run = simulate(load_scene(emotion))
     through, jumping = Painter(run), Painter(run)
     wanted = {0.0, 0.5, 1.0, 14.9, 3.0333}
@@ -183,7 +183,7 @@ def test_a_frame_does_not_depend_on_those_before(emotion) -> None:
         assert np.array_equal(jumping.frame(t), shown[t]), t
 
 
-def test_trails_pass_through_where_their_robots_were(make_scene) -> None:
+def test_trails_pass_through_past_robot_positions(make_scene) -> None:
     run = simulate(make_scene("happiness", TRACES | {"video.trails.robots": 1, "duration": 4}))
     painter = Painter(run)
     frame = painter.frame(4.0)
@@ -192,11 +192,11 @@ def test_trails_pass_through_where_their_robots_were(make_scene) -> None:
         x, y = painter.camera.pixels(run.at(np.array([t]))[0, 0, :2])
         near = frame[int(720 - y) - 1 : int(720 - y) + 2, int(x) - 1 : int(x) + 2, :3].astype(int)
         others = run.at(np.array([4.0]))[0, 1:, :2]
-        if np.hypot(*(others - run.at(np.array([t]))[0, 0, :2]).T).min() > 0.03:  # no robot stands on it
+        if np.hypot(*(others - run.at(np.array([t]))[0, 0, :2]).T).min() > 0.03:  # not covered by a robot
             assert np.abs(near - blue).sum(axis=-1).min() < 12, t
 
 
-def test_a_trail_can_fade_from_memory(make_scene) -> None:
+def test_trails_can_be_limited_in_duration(make_scene) -> None:
     keys = TRACES | {"video.trails.robots": 1, "duration": 5, "video.trails.seconds": 1.5}
     run = simulate(make_scene("happiness", keys))
     frame = Painter(run).frame(5.0)
@@ -207,17 +207,17 @@ def test_a_trail_can_fade_from_memory(make_scene) -> None:
     assert 0 < blue(frame) < 0.5 * blue(long.frame(5.0))
 
 
-def test_no_robot_has_a_trail_at_the_start(make_scene) -> None:
+def test_first_frame_has_no_trails(make_scene) -> None:
     shown = Painter(simulate(make_scene("anger", TRACES | {"duration": 1}))).frame(0.0)
     none = Painter(
         simulate(make_scene("anger", {"duration": 1, "video.trails.robots": 0, "video.colours.body": "#1684ea"}))
     )
-    # The same robots stand at the same places; only their bodies' colours differ.
+    # The same robots stand at the same places; only their bodies' colors differ.
     assert (ink(shown) > 0).sum() == pytest.approx((ink(none.frame(0.0)) > 0).sum(), abs=2)
 
 
-def test_a_trail_fades_towards_its_old_end(make_scene) -> None:
-    # On one line: the older, the nearer to the stage's colour.
+def test_a_trail_fades_toward_its_old_end(make_scene) -> None:
+    # On one line: the older, the nearer to the stage's color.
     keys = {"video.trails.robots": None, "video.trails.seconds": 2.0, "video.trails.fade": True, "duration": 3}
     keys = TRACES | keys
     run = simulate(make_scene("sadness", keys | {"robots": 1, "behaviour.angular_rate": 1.0}))
@@ -231,9 +231,9 @@ def test_a_trail_fades_towards_its_old_end(make_scene) -> None:
     assert shades == pytest.approx([whole * (1 - age / 2) for age in (0.4, 0.8, 1.2, 1.6)], abs=0.07 * whole)
 
 
-def test_what_lies_below_does_not_shine_through_the_edge_of_a_robot(make_scene) -> None:
-    # A small robot on a broad red line: the edge of its body is body, rim or a mixture of the two. A rim that was a
-    # mere line around the body, with nothing below the body's edge, let 25 levels of red through.
+def test_robot_edges_hide_lines_below_them(make_scene) -> None:
+    # A small robot on a broad red line: the edge of its body is body, rim or a mixture of the two. A rim that is only a
+    # line around the body, with nothing below the edge of the body, lets 25 levels of red through.
     keys = {"video.trails.robots": 0, "video.colours.front": "#4a5160", "video.size": "320x240"}
     run = parked(make_scene, [(0.0, 0.0, 0.6)], **keys)
     painter = Painter(run)
@@ -257,9 +257,9 @@ def test_what_lies_below_does_not_shine_through_the_edge_of_a_robot(make_scene) 
 
 
 @pytest.mark.parametrize("moment", ["start", "frame"])
-def test_a_signal_while_agg_draws_is_no_error_of_agg_s(make_scene, monkeypatch, moment) -> None:
+def test_signal_during_agg_drawing_is_not_reported_as_an_agg_error(make_scene, monkeypatch, moment) -> None:
     class Interrupted:
-        """A transform that Agg asks for its matrix, which is when a signal comes."""
+        """A transform that raises a signal when Agg reads its matrix."""
 
         def __array__(self, *_, **__):
             signal.raise_signal(signal.SIGTERM)
@@ -286,7 +286,7 @@ def test_study_videos_have_no_overlays() -> None:
 
 
 def shown_by(make_scene, emotion: str, overlay: str, t: float, **keys: object) -> tuple[np.ndarray, Painter]:
-    """Return how a frame differs with and without an overlay, and its painter."""
+    """Return the difference between frames with and without an overlay, and the painter."""
     keys = {"video.trails.robots": 0, "duration": 2} | keys
     run = simulate(make_scene(emotion, keys))
     painter = Painter(simulate(make_scene(emotion, keys | {f"video.overlays.{overlay}": True})))
@@ -295,7 +295,7 @@ def shown_by(make_scene, emotion: str, overlay: str, t: float, **keys: object) -
 
 
 @pytest.mark.parametrize("theme", THEMES)
-def test_the_density_is_its_own_colour_where_it_peaks_and_nothing_where_it_is_none(make_scene, theme) -> None:
+def test_density_has_full_color_at_its_peak_and_none_at_zero(make_scene, theme) -> None:
     keys = {"video.overlays.density": True, "video.theme": theme, "behaviour.density.sigma": 0.05}
     keys |= {"behaviour.density.centre": {"x": 0.3, "y": -0.2}, "video.trails.robots": 0, "duration": 1, "robots": 1}
     run = simulate(make_scene("anger", keys | {"start": {"place": "poses", "poses": [{"x": -0.5, "y": 0.3}]}}))
@@ -319,10 +319,12 @@ def test_the_density_ends_at_the_edge_of_any_stage(make_scene) -> None:
     at = painter.camera.metres(np.stack([columns + 0.5, 720 - rows - 0.5], axis=-1))
     assert (at.min(axis=0) > -1e-9).all()
     assert (0.8 * at[:, 0] + at[:, 1]).max() < 0.8 + 1e-9
-    assert len(rows) == pytest.approx(0.4 * painter.camera.scale**2, rel=0.02)  # a triangle of 0.4 m^2, less a robot
+    assert len(rows) == pytest.approx(
+        0.4 * painter.camera.scale**2, rel=0.02
+    )  # a triangle of 0.4 m^2 without the area of a robot
 
 
-def test_edges_of_cells_are_as_far_from_the_two_nearest_robots(make_scene) -> None:
+def test_cell_edges_are_equidistant_from_the_two_nearest_robots(make_scene) -> None:
     difference, painter = shown_by(make_scene, "disgust", "cells", 1.0)
     rows, columns = np.nonzero(difference > 100)
     at = painter.camera.metres(np.stack([columns + 0.5, 720 - rows - 0.5], axis=-1))
@@ -335,7 +337,7 @@ def test_edges_of_cells_are_as_far_from_the_two_nearest_robots(make_scene) -> No
 
 
 @pytest.mark.parametrize("emotion", ["happiness", "disgust"])
-def test_targets_stand_where_the_robots_head_for(make_scene, emotion) -> None:
+def test_targets_are_drawn_at_the_goals_of_the_robots(make_scene, emotion) -> None:
     difference, painter = shown_by(make_scene, emotion, "targets", 1.0)
     run = painter.trajectory
     points = run.at(np.array([1.0]))[0, :, :2]
@@ -352,7 +354,7 @@ def test_targets_stand_where_the_robots_head_for(make_scene, emotion) -> None:
         assert difference[719 - y, x] > 0
 
 
-def test_the_clock_is_in_the_corner_off_the_stage_and_runs(make_scene) -> None:
+def test_clock_advances_in_a_corner_outside_the_stage(make_scene) -> None:
     difference, painter = shown_by(make_scene, "fear", "clock", 1.5, **{"video.size": "640x360"})
     rows, columns = np.nonzero(difference)
     assert rows.max() < 0.035 * 360
@@ -362,7 +364,7 @@ def test_the_clock_is_in_the_corner_off_the_stage_and_runs(make_scene) -> None:
     assert len({picture[:12, :80].tobytes() for picture in shown.values()}) == 3
 
 
-# --- colours ---------------------------------------------------------------------------------------------------------
+# --- colors ---------------------------------------------------------------------------------------------------------
 
 # G. M. Machado, M. M. Oliveira and L. A. F. Fernandes, "A physiologically-based model for simulation of color vision
 # deficiency", IEEE TVCG 15(6), 2009: severity 1.0, in linear RGB.
@@ -394,13 +396,13 @@ def contrast(a: str, b: str) -> float:
 
 
 @pytest.mark.parametrize("theme", THEMES)
-def test_trails_stand_out_from_the_stage_in_luminance(theme) -> None:
+def test_trails_differ_from_the_stage_in_luminance(theme) -> None:
     for colour in THEMES[theme].trails:
         assert contrast(colour, THEMES[theme].stage) > 3.5, colour  # WCAG asks 3 of graphics
 
 
 @pytest.mark.parametrize("theme", THEMES)
-def test_robots_and_overlays_can_be_seen_in_every_theme(theme) -> None:
+def test_robots_and_overlays_are_visible_in_every_theme(theme) -> None:
     colours = THEMES[theme]
     assert contrast(colours.body, colours.stage) > 4.5
     assert contrast(colours.front, colours.body) > 4.5
@@ -415,14 +417,14 @@ def test_robots_and_overlays_can_be_seen_in_every_theme(theme) -> None:
 
 @pytest.mark.parametrize("theme", THEMES)
 @pytest.mark.parametrize("deficiency", DEFICIENCIES)
-def test_trails_differ_for_colour_blind_eyes(deficiency, theme) -> None:
+def test_trail_colors_are_distinct_with_color_vision_deficiency(deficiency, theme) -> None:
     matrix = np.array(DEFICIENCIES[deficiency])
     seen = [lab(np.clip(matrix @ linear(colour), 0, 1)) for colour in THEMES[theme].trails]
     closest = min(np.linalg.norm(a - b) for i, a in enumerate(seen) for b in seen[:i])
     assert closest > 25  # 2.3 is just noticeable
 
 
-def test_shipped_scenes_have_the_tested_colours() -> None:
+def test_shipped_scenes_use_the_tested_colors() -> None:
     for emotion in EMOTIONS:
         colours = load_scene(emotion).video.palette
         assert (
@@ -432,12 +434,12 @@ def test_shipped_scenes_have_the_tested_colours() -> None:
         )
 
 
-def test_trails_can_have_the_colour_of_bodies(make_scene) -> None:
+def test_trails_can_use_the_body_color(make_scene) -> None:
     own = make_scene("fear", {"video.theme": "dark", "video.colours.body": "#123456"}).video
     assert own.palette.trails == 5 * ("#123456",)
     assert make_scene("fear", {"video.theme": "dark"}).video.palette.trails == 5 * (THEMES["dark"].body,)
 
 
-def test_a_scene_s_own_colours_come_before_the_theme_s(make_scene) -> None:
+def test_scene_colors_override_theme_colors(make_scene) -> None:
     video = make_scene("fear", TRACES | {"video.theme": "dark", "video.colours.body": "#123456"}).video
     assert video.palette == THEMES["dark"].model_copy(update={"body": "#123456"})

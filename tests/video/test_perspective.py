@@ -1,4 +1,4 @@
-"""Videos from the side: what is drawn, held against rays; that increments leave nothing behind."""
+"""Videos in perspective: comparison with ray casting, and redrawing of changed parts only."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ LOOKS = {
 
 
 def parked(make_scene, poses: list[tuple[float, float, float]], **keys: object) -> Trajectory:
-    """Return a run in which robots stand at the poses."""
+    """Return a run in which robots stand still at the given poses."""
     listed = [dict(zip(("x", "y", "heading"), pose, strict=True)) for pose in poses]
     base = {"robots": len(poses), "start": {"place": "poses", "poses": listed}, "duration": 2, "control_period": 2.0}
     scene = make_scene("fear", base | {"video.size": "640x480"} | SIDE | keys)
@@ -32,7 +32,7 @@ def parked(make_scene, poses: list[tuple[float, float, float]], **keys: object) 
     return Trajectory(scene, np.array([0.0, 2.0]), np.array([poses, poses], dtype=float), still, cut, cut)
 
 
-def test_robots_hide_each_other_as_rays_say(make_scene) -> None:
+def test_occlusion_of_robots_matches_ray_casting(make_scene) -> None:
     box = {"kinematics": "single_integrator", "height": 0.12}
     box |= {"shape": {"kind": "rectangle", "length": 0.12, "width": 0.07}}
     poses = [
@@ -95,9 +95,7 @@ def painter_scale(make_scene) -> float:
 
 @pytest.mark.parametrize("look", LOOKS)
 @pytest.mark.parametrize("emotion", ["surprise", "anger"])
-def test_all_that_changes_is_in_the_boxes_and_a_frame_does_not_depend_on_those_before(
-    make_scene, emotion, look
-) -> None:
+def test_boxes_contain_all_changes_and_frames_are_independent_of_earlier_ones(make_scene, emotion, look) -> None:
     keys = SIDE | {"duration": 3.5, "video.size": "320x180"} | LOOKS[look]
     run = simulate(make_scene(emotion, keys))
     painter, planes = Painter(run), Yuv420(320, 180)
@@ -106,12 +104,12 @@ def test_all_that_changes_is_in_the_boxes_and_a_frame_does_not_depend_on_those_b
     for t in (1 / 30, 1.1, 3.4, 2.0):
         after, boxes = painter.frame(t), painter.changed()
         assert not ((before != after).any(axis=2) & ~inside(after, boxes)).any(), t
-        assert np.array_equal(after, Painter(run).frame(t)), t  # drawn at once, from nothing
+        assert np.array_equal(after, Painter(run).frame(t)), t  # drawn from scratch
         assert np.array_equal(planes.convert(after, boxes), whole_frame(after)), t
         before = after.copy()
 
 
-def test_little_of_a_frame_is_drawn_anew(make_scene) -> None:
+def test_only_a_small_part_of_each_frame_is_redrawn(make_scene) -> None:
     painter = Painter(simulate(make_scene("happiness", SIDE | {"duration": 2})))
     painter.frame(1.5)
     painter.changed()
@@ -119,7 +117,7 @@ def test_little_of_a_frame_is_drawn_anew(make_scene) -> None:
     assert inside(frame, painter.changed()).mean() < 0.1
 
 
-def test_trails_lie_on_the_floor_where_the_robots_were(make_scene) -> None:
+def test_trails_follow_past_positions_on_the_floor(make_scene) -> None:
     keys = TRACES | SIDE | {"video.trails.robots": 1, "duration": 4, "video.trails.width": 0.01, "robots": 2}
     run = simulate(make_scene("happiness", keys))
     painter = Painter(run)
@@ -128,13 +126,13 @@ def test_trails_lie_on_the_floor_where_the_robots_were(make_scene) -> None:
     for t in np.arange(0.2, 3.4, 0.1):
         x, y = painter.camera.pixels(run.at(np.array([t]))[0, 0, :2])
         at = run.at(np.array([4.0]))[0, :, :2] - run.at(np.array([t]))[0, 0, :2]
-        if np.abs(at).max(axis=1).min() > 0.06:  # no robot stands on it or before it
+        if np.abs(at).max(axis=1).min() > 0.06:  # not covered by a robot
             found += 1
             assert np.abs(frame[int(720 - y), int(x)] - [0x16, 0x84, 0xEA]).sum() < 12, t
     assert found > 10
 
 
-def test_the_motion_and_its_times_are_those_of_the_overhead_view(make_scene) -> None:
+def test_motion_and_times_match_the_overhead_view(make_scene) -> None:
     views = ("overhead", "perspective")
     above, side = (simulate(make_scene("fear", {"duration": 1, "video.view": view})) for view in views)
     assert np.array_equal(above.poses, side.poses)
@@ -161,7 +159,7 @@ def test_the_density_tints_the_floor_up_to_the_edge_of_the_stage(make_scene, the
     assert frame[5, 640].tolist() == [int(surround[i : i + 2], 16) for i in (1, 3, 5)]
 
 
-def test_targets_are_discs_that_lie_on_the_floor(make_scene) -> None:
+def test_targets_are_disks_on_the_floor(make_scene) -> None:
     keys = {"video.overlays.targets": True, "video.colours.overlay": "#ff0000", "duration": 1, "robots": 1}
     keys |= {"video.camera.height": 0.4, "video.camera.distance": 0.8, "video.size": "1920x1080"}
     keys |= {"behaviour.separation": None}
@@ -175,8 +173,8 @@ def test_targets_are_discs_that_lie_on_the_floor(make_scene) -> None:
     assert red.sum(axis=0).max() / red.sum(axis=1).max() == pytest.approx(turn[1, 1] / turn[0, 0], abs=0.15)
 
 
-def test_a_mirrored_run_is_the_mirrored_picture(make_scene) -> None:
-    # But for the shade of sides: the light comes from the left in both.
+def test_mirrored_run_gives_a_mirrored_picture(make_scene) -> None:
+    # Only the shading of the sides differs: the light comes from the left in both.
     keys = SIDE | {"duration": 2, "video.colours.trails": ["#101010"] * 5, "video.colours.body": "#101010"}
     run = simulate(make_scene("surprise", keys))
     shown = Painter(run).frame(1.5).astype(int)
@@ -185,7 +183,7 @@ def test_a_mirrored_run_is_the_mirrored_picture(make_scene) -> None:
     assert (np.abs(shown - other).max(axis=-1) > 8).mean() < 0.001
 
 
-def test_the_floor_pales_evenly_towards_the_horizon_and_is_one_colour_beyond(make_scene) -> None:
+def test_floor_fades_evenly_to_a_uniform_color_at_the_horizon(make_scene) -> None:
     keys = {"video.camera.tilt": 10.0, "video.camera.height": 0.5, "video.trails.robots": 0}
     painter = Painter(parked(make_scene, [(0.0, 0.0, 0.0)], **keys))
     frame = painter.frame(0.0)[::-1, :, :3].astype(int)
@@ -198,7 +196,7 @@ def test_the_floor_pales_evenly_towards_the_horizon_and_is_one_colour_beyond(mak
 
 
 @pytest.mark.parametrize("emotion", EMOTIONS)
-def test_every_shipped_scene_can_be_seen_from_the_side(make_scene, emotion) -> None:
+def test_every_shipped_scene_renders_in_perspective(make_scene, emotion) -> None:
     run = simulate(make_scene(emotion, SIDE | {"duration": 0.5, "video.size": "320x180"}))
     stage = Painter(run).frame(0.5)[90, 20:300, :3]
     assert (stage == [0xFA, 0xFA, 0xF7]).all(axis=-1).mean() > 0.5

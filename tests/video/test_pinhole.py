@@ -18,7 +18,7 @@ def framing(
 
 
 def test_known_points_of_a_camera_that_looks_down_at_45_degrees() -> None:
-    # One metre up and one metre back: the origin is in the middle, sqrt(2) m away.
+    # One meter up and one meter back: the origin is in the middle, sqrt(2) m away.
     camera = PinholeCamera(400, 300, Aim(0.0, -1.0, 1.0, np.pi / 4, 100.0), (0.0, 0.0), (0.0, 0.0))
     assert camera.pixels(np.array([0.0, 0.0])) == pytest.approx([200, 150])
     assert camera.pixels(np.array([0.5, 0.0])) == pytest.approx([200 + 50 / np.sqrt(2), 150])
@@ -29,14 +29,14 @@ def test_known_points_of_a_camera_that_looks_down_at_45_degrees() -> None:
 
 
 @given(PINHOLES, st.tuples(st.floats(-3, 3), st.floats(-1, 3), st.floats(0, 0.4)).map(np.array))
-def test_it_agrees_with_a_matrix_of_homogeneous_coordinates(camera, point) -> None:
+def test_projection_agrees_with_a_homogeneous_matrix(camera, point) -> None:
     x, y, w = matrix(camera) @ [*point, 1.0]
     assume(w > 0.05)
     assert camera.project(point) == pytest.approx([x / w, camera.height - y / w], rel=1e-9, abs=1e-6)
 
 
 @given(PINHOLES, st.lists(FLOOR, min_size=1, max_size=5).map(np.array))
-def test_metres_are_the_inverse_of_pixels(camera, places) -> None:
+def test_floor_coordinates_invert_pixel_coordinates(camera, places) -> None:
     assert camera.metres(camera.pixels(places)) == pytest.approx(places, abs=1e-7)
 
 
@@ -61,7 +61,7 @@ def test_straight_lines_stay_straight(camera, one, other) -> None:
 
 
 @given(PINHOLES, FLOOR)
-def test_turns_are_the_derivative_of_the_pixels(camera, place) -> None:
+def test_projected_turns_match_the_derivative_of_pixels(camera, place) -> None:
     step = 1e-5
     moves = np.array([[step, 0], [0, step]])
     slope = (camera.pixels(place + moves) - camera.pixels(place - moves)).T / (2 * step)
@@ -85,7 +85,7 @@ def area(camera: PinholeCamera, stage: Rectangle) -> float:
 
 
 @pytest.mark.parametrize("stage", [ROBOTARIUM, Rectangle(width=1.2, height=0.8)])
-def test_no_distance_beside_the_stage_shows_the_stage_much_larger(stage) -> None:
+def test_default_distance_shows_the_stage_nearly_as_large_as_any_other(stage) -> None:
     near_edge = stage.height / 2
     others = [area(framing(stage, distance=distance), stage) for distance in np.linspace(near_edge, 4 * near_edge, 25)]
     assert area(framing(stage), stage) > 0.99 * max(others)  # the tilt has a limit, too
@@ -94,7 +94,7 @@ def test_no_distance_beside_the_stage_shows_the_stage_much_larger(stage) -> None
 
 @pytest.mark.parametrize("size", ["1280x720", "720x1280", "640x640"])
 @pytest.mark.parametrize("stage", [ROBOTARIUM, Rectangle(width=1.2, height=0.8), Rectangle(width=0.3, height=2.0)])
-def test_any_stage_fills_any_frame_but_for_a_margin(stage, size) -> None:
+def test_every_stage_fills_every_frame_except_for_a_margin(stage, size) -> None:
     camera = framing(stage, 0.03, size)
     margin = 0.035 * min(camera.width, camera.height)
     points = np.array([[x, y, up] for x, y in stage.outline for up in (0.0, 0.03)])
@@ -103,12 +103,12 @@ def test_any_stage_fills_any_frame_but_for_a_margin(stage, size) -> None:
     assert free.min() == pytest.approx(margin)
 
 
-def test_keys_of_the_camera_are_what_it_does() -> None:
+def test_camera_keys_set_the_camera() -> None:
     camera = framing(height=2.0, distance=5.0, tilt=20.0, field_of_view=90.0)
     assert camera.aim == pytest.approx((0.0, -5.0, 2.0, np.radians(20), 640.0))
 
 
-def test_the_nearest_corner_has_the_most_pixels_per_metre() -> None:
+def test_nearest_corner_has_the_most_pixels_per_meter() -> None:
     camera = framing()
     steps = 1e-4 * np.stack([np.cos(np.arange(0, 7, 0.1)), np.sin(np.arange(0, 7, 0.1))], axis=-1)
     for corner in ROBOTARIUM.outline:

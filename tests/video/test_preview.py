@@ -10,7 +10,7 @@ from tests.helpers.mp4 import decode
 SHORT = {"duration": 1.0, "video.fps": 30}
 
 
-def test_a_player_holds_the_run_at_the_width_and_rate_that_were_asked_for(make_scene, tmp_path) -> None:
+def test_player_has_the_requested_width_and_rate(make_scene, tmp_path) -> None:
     player = show(simulate(make_scene("anger", SHORT)), width=160, fps=10)
     html = player._repr_html_()
     (data,) = re.findall(r'src="data:video/mp4;base64,([A-Za-z0-9+/=]+)"', html)
@@ -21,7 +21,7 @@ def test_a_player_holds_the_run_at_the_width_and_rate_that_were_asked_for(make_s
 
 
 @pytest.mark.parametrize(("width", "fps", "size"), [(481, 0, (480, 270)), (0, -3, (64, 64))])
-def test_a_player_is_as_wide_as_its_video_whatever_was_asked_for(make_scene, width, fps, size) -> None:
+def test_player_width_is_clamped_to_the_video_and_rounded(make_scene, width, fps, size) -> None:
     run = simulate(make_scene("anger", {"duration": 1.0, "video.fps": 2}))
     player = show(run, width, fps)
     assert player.width == size[0]
@@ -32,7 +32,7 @@ def test_a_player_is_small_enough_for_a_notebook(make_scene) -> None:
     assert len(show(simulate(make_scene("happiness")))._repr_html_()) < 1_500_000
 
 
-def test_a_player_of_a_swarm_without_an_emotion_says_so(make_scene) -> None:
+def test_player_of_a_scene_without_an_emotion_is_called_a_swarm(make_scene) -> None:
     assert repr(show(simulate(make_scene("fear", SHORT | {"emotion": None})), 96)) == "Player(a swarm, 1 s, 96x64)"
 
 
@@ -46,7 +46,7 @@ def test_a_player_of_a_swarm_without_an_emotion_says_so(make_scene) -> None:
         ("128x8192", 320, "320x8192"),
     ],
 )
-def test_sides_stay_in_proportion_even_and_within_bounds(make_scene, size, width, expected) -> None:
+def test_reduced_sides_are_proportional_even_and_bounded(make_scene, size, width, expected) -> None:
     run = simulate(make_scene("fear", SHORT | {"video.size": size}))
     assert reduced(run, width, 10).scene.video.size == expected
 

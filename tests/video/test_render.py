@@ -17,7 +17,7 @@ from tests.helpers.mp4 import decode, stream_line
 SMALL = {"video.size": "160x120", "video.fps": 10, "duration": 2}
 
 
-def test_frame_k_shows_the_time_k_over_fps(make_scene) -> None:
+def test_frame_k_shows_the_run_at_time_k_over_fps(make_scene) -> None:
     run = simulate(make_scene("anger", SMALL))
     painter = Painter(run)
     for k, frame in enumerate(frames(run)):
@@ -25,13 +25,13 @@ def test_frame_k_shows_the_time_k_over_fps(make_scene) -> None:
     assert k == 19
 
 
-def test_two_renders_are_equal_to_the_byte(make_scene, tmp_path) -> None:
+def test_two_renders_give_identical_bytes(make_scene, tmp_path) -> None:
     for name in ("a", "b"):
         render_video(simulate(make_scene("anger", SMALL)), tmp_path / f"{name}.mp4")
     assert (tmp_path / "a.mp4").read_bytes() == (tmp_path / "b.mp4").read_bytes()
 
 
-def test_a_saved_run_renders_to_the_same_bytes(make_scene, tmp_path) -> None:
+def test_a_saved_run_renders_to_the_same_bytes_as_its_scene(make_scene, tmp_path) -> None:
     run = simulate(make_scene("disgust", SMALL))
     save_trajectory(run, tmp_path / "run.npz")
     render_video(run, tmp_path / "a.mp4")
@@ -50,25 +50,25 @@ def test_the_motion_is_the_same_at_any_frame_rate(make_scene, tmp_path) -> None:
 
 
 @pytest.mark.parametrize("keys", [{"duration": 0.05}, {"duration": 1.03}, {"duration": 0.999}])
-def test_lengths_that_are_no_whole_number_of_frames(make_scene, tmp_path, keys) -> None:
+def test_fractional_frame_counts_are_rounded_to_at_least_one(make_scene, tmp_path, keys) -> None:
     scene = make_scene("fear", SMALL | keys)
     render_video(simulate(scene), tmp_path / "x.mp4")
     assert len(decode(tmp_path / "x.mp4", 160, 120)) == scene.frames == max(1, round(keys["duration"] * 10))
 
 
-def test_the_arguments_name_size_and_rate(make_scene) -> None:
+def test_ffmpeg_arguments_contain_size_and_rate(make_scene) -> None:
     arguments = video_arguments(make_scene("fear", {"video.size": "1920x1080", "video.fps": 60}).video)
     pairs = dict(pairwise(arguments))
     assert (pairs["-s"], pairs["-r"], pairs["-g"], pairs["-threads"]) == ("1920x1080", "60", "60", "1")
 
 
-def test_the_public_api_is_three_words(tmp_path) -> None:
+def test_three_public_functions_render_a_scene(tmp_path) -> None:
     scene = load_scene("sadness").model_copy(update={"duration": 0.5})
     render_video(simulate(scene), tmp_path / "x.mp4")
     assert (tmp_path / "x.mp4").stat().st_size > 1000
 
 
-def test_the_checksum_is_of_the_frames_that_were_drawn(make_scene, tmp_path) -> None:
+def test_checksum_covers_the_drawn_frames(make_scene, tmp_path) -> None:
     def checksum(**keys: object) -> str:
         return render_video(simulate(make_scene("anger", SMALL | keys)), tmp_path / "x")
 
@@ -103,20 +103,20 @@ def test_every_format_shows_every_frame_at_its_time(make_scene, tmp_path, format
 
 
 @pytest.mark.parametrize("format", [*FILES, "png-sequence"])
-def test_every_format_is_equal_to_the_byte(make_scene, tmp_path, format) -> None:
+def test_every_format_renders_to_identical_bytes_twice(make_scene, tmp_path, format) -> None:
     for name in ("a", "b"):
         rendered(make_scene, tmp_path / name, format)
     assert file_digest(tmp_path / "a") == file_digest(tmp_path / "b")
 
 
-def test_a_sequence_is_the_frames_to_the_last_bit(make_scene, tmp_path) -> None:
+def test_image_sequence_holds_the_exact_frames(make_scene, tmp_path) -> None:
     run = rendered(make_scene, tmp_path / "x", "png-sequence")
     for k, frame in enumerate(frames(run)):
         assert np.array_equal(np.asarray(Image.open(tmp_path / "x" / f"{k:05d}.png")), frame[..., :3]), k
     assert len(list((tmp_path / "x").iterdir())) == k + 1 == 20
 
 
-def test_a_webm_is_tagged_in_full_and_names_nothing(make_scene, tmp_path) -> None:
+def test_webm_has_all_color_tags_and_no_identifying_metadata(make_scene, tmp_path) -> None:
     rendered(make_scene, tmp_path / "x", "webm")
     assert "yuv420p(tv, bt709, progressive)" in stream_line(tmp_path / "x")
     data = (tmp_path / "x").read_bytes()
@@ -125,7 +125,7 @@ def test_a_webm_is_tagged_in_full_and_names_nothing(make_scene, tmp_path) -> Non
     assert not re.search(rb"Lav[fc][0-9]", data)  # without their versions
 
 
-def test_a_gif_is_of_the_colours_that_were_drawn(make_scene, tmp_path) -> None:
+def test_gif_keeps_the_drawn_colors(make_scene, tmp_path) -> None:
     run = rendered(make_scene, tmp_path / "x", "gif")
     colours = run.scene.video.palette
     with Image.open(tmp_path / "x") as gif:

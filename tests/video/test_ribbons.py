@@ -16,7 +16,7 @@ WIDTHS = st.floats(0.002, 0.3)
 
 
 @given(PINHOLES, LINES, WIDTHS, st.integers(0, 2**32))
-def test_a_ribbon_is_what_is_within_half_a_width_of_the_line_on_the_floor(camera, line, width, seed) -> None:
+def test_ribbon_covers_points_within_half_its_width_of_the_line(camera, line, width, seed) -> None:
     path = ribbon(camera, line, width).path
     places = np.random.default_rng(seed).normal(line[:, None], width, (len(line), 30, 2)).reshape(-1, 2)
     places = places[places[:, 1] > -1.9]  # before the camera
@@ -28,14 +28,16 @@ def test_a_ribbon_is_what_is_within_half_a_width_of_the_line_on_the_floor(camera
 
 
 @given(PINHOLES, LINES, WIDTHS)
-def test_all_pieces_of_a_ribbon_run_one_way_round(camera, line, width) -> None:
+def test_all_pieces_of_a_ribbon_have_the_same_orientation(camera, line, width) -> None:
     for piece in ribbon(camera, line, width).path.to_polygons():
         x, y = piece[:-1].T
-        assert (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() > -1e-6  # else two that overlap would leave a hole
+        assert (
+            x * np.roll(y, -1) - y * np.roll(x, -1)
+        ).sum() > -1e-6  # otherwise the overlap of two pieces would be a hole
 
 
 @given(PINHOLES, LINES, WIDTHS, st.integers(1, 10))
-def test_a_line_cut_in_two_looks_like_one(camera, line, width, cut) -> None:
+def test_two_consecutive_ribbons_cover_the_same_area_as_one(camera, line, width, cut) -> None:
     cut = min(cut, len(line) - 2)
     if cut < 1:
         return
@@ -51,7 +53,7 @@ def test_a_line_cut_in_two_looks_like_one(camera, line, width, cut) -> None:
 
 
 @given(PINHOLES, LINES, WIDTHS, st.integers(1, 9))
-def test_the_boxes_hold_the_ribbon(camera, line, width, group) -> None:
+def test_bounding_boxes_contain_the_ribbon(camera, line, width, group) -> None:
     made = ribbon(camera, line, width, group=group)
     vertices = np.concatenate(made.path.to_polygons())
     inside = ((vertices[:, None] >= made.low - 1e-9) & (vertices[:, None] <= made.high + 1e-9)).all(axis=-1)
@@ -60,13 +62,13 @@ def test_the_boxes_hold_the_ribbon(camera, line, width, group) -> None:
 
 
 @given(PINHOLES)
-def test_a_line_across_is_thinner_the_farther_away_it_is(camera) -> None:
+def test_lines_across_the_view_get_thinner_with_distance(camera) -> None:
     lines = [np.array([[-0.1, y], [0.1, y]]) for y in (-0.5, 0.5)]
     near, far = (np.ptp(ribbon(camera, line, 0.02).path.to_polygons()[0][:, 1]) for line in lines)
     assert far < near
 
 
-def test_a_line_seen_at_45_degrees_has_its_whole_width_along_the_view_and_less_across() -> None:
+def test_ribbon_width_at_45_degrees_is_full_along_the_view_and_foreshortened_across() -> None:
     camera = PinholeCamera(400, 300, Aim(0.0, -1.0, 1.0, np.pi / 4, 1000.0), (0.0, 0.0), (0.0, 0.0))
     strip = slice(0, 4)  # the path's first piece, before the round joints
     across = np.asarray(ribbon(camera, np.array([[-0.1, 0.0], [0.1, 0.0]]), 0.002).path.vertices)[strip]
@@ -77,5 +79,5 @@ def test_a_line_seen_at_45_degrees_has_its_whole_width_along_the_view_and_less_a
 
 
 @given(PINHOLES, LINES, st.sampled_from([1e-300, 1e-12]))
-def test_a_line_that_is_too_thin_to_see_is_a_line_all_the_same(camera, line, width) -> None:
+def test_very_thin_lines_make_finite_ribbons(camera, line, width) -> None:
     assert np.isfinite(ribbon(camera, line, width).path.vertices).all()

@@ -1,4 +1,4 @@
-"""Every robot that ships, in pictures and in a video."""
+"""Pictures and a video of every shipped robot."""
 
 from collections import Counter
 
@@ -24,7 +24,7 @@ def arena(make_scene, name: str, **keys: object):
 
 
 def outline(body: Body) -> shapely.Geometry:
-    """Return a robot's outline in its own frame, without its axle, by shapely."""
+    """Return the outline of a robot in its own frame, without its axle, computed with shapely."""
     shape = body.shape
     if shape.kind == "circle":
         drawn = shapely.Point(shape.ahead, 0).buffer(shape.radius)
@@ -40,7 +40,7 @@ def outline(body: Body) -> shapely.Geometry:
 
 
 @pytest.mark.parametrize("name", shipped_robots())
-def test_a_robot_is_drawn_to_scale_where_it_is_and_as_it_faces(make_scene, name) -> None:
+def test_robot_drawing_has_correct_scale_position_and_heading(make_scene, name) -> None:
     still = {"place": "poses", "poses": [{"x": 0.1, "y": -0.05, "heading": 0.6}]}
     keys = {"robots": 1, "start": still, "stage": {"width": 0.64, "height": 0.4}, "video.size": "640x400", **_LOOK}
     run = simulate(arena(make_scene, name, **keys))
@@ -58,7 +58,7 @@ def test_a_robot_is_drawn_to_scale_where_it_is_and_as_it_faces(make_scene, name)
 
 
 @pytest.mark.parametrize("name", shipped_robots())
-def test_a_robot_makes_a_video(make_scene, name, tmp_path) -> None:
+def test_every_shipped_robot_renders_to_a_video(make_scene, name, tmp_path) -> None:
     scene = arena(make_scene, name, **{"robot.limits": "model" if load_robot(name).limits else None})
     run = simulate(scene)
     if limits := scene.robot.limits:
@@ -71,6 +71,6 @@ def test_a_robot_makes_a_video(make_scene, name, tmp_path) -> None:
     assert checksums
 
 
-def test_robots_look_different(make_scene) -> None:
+def test_shipped_robots_have_distinct_drawings(make_scene) -> None:
     frames = Counter(Painter(simulate(arena(make_scene, name))).frame(0.0).tobytes() for name in shipped_robots())
     assert set(frames.values()) == {1}

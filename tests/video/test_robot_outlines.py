@@ -1,4 +1,4 @@
-"""The outlines that videos and figures share."""
+"""Robot outlines shared by videos and figures."""
 
 import numpy as np
 import pytest
@@ -20,10 +20,10 @@ def doubled_area(ring: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize("corners", [ARROW, ARROW[::-1]], ids=["counter-clockwise", "clockwise"])
-def test_all_outlines_run_one_way_round_however_corners_are_listed(corners) -> None:
+def test_outlines_are_counterclockwise_for_either_corner_order(corners) -> None:
     outline, rim = robot_parts(body(corners))["body"], robot_rim(body(corners), 0.005)
     for path, count in ((outline, 1), (rim, 1 + len(corners))):
         rings = path.to_polygons()
         assert len(rings) == count
-        assert all(doubled_area(ring) > 0 for ring in rings)  # else two that overlap would leave a hole
+        assert all(doubled_area(ring) > 0 for ring in rings)  # otherwise the overlap of two pieces would be a hole
     assert doubled_area(outline.to_polygons()[0]) == pytest.approx(abs(doubled_area(np.array(ARROW))))

@@ -19,7 +19,7 @@ PLAIN = Body.model_validate(
 
 
 def colouring(robots: int) -> RobotColours:
-    """Every body in a shade of red and green of its own."""
+    """Each body in its own shade of red and green."""
     bodies = np.array([[1.0, i / robots, 0.0, 1.0] for i in range(robots)])
     return RobotColours(bodies, BLACK, WHITE)
 
@@ -29,7 +29,7 @@ def area_of(paths: list) -> shapely.Geometry:
 
 
 @given(PINHOLES, POSES)
-def test_the_outline_of_a_prism_is_the_hull_of_its_projected_corners(camera, pose) -> None:
+def test_prism_outline_is_the_convex_hull_of_its_projected_corners(camera, pose) -> None:
     seen = robot_solids(camera, PLAIN, np.array([pose]), colouring(1))
     solid = [path for path, colour in zip(seen.paths, seen.colours, strict=True) if colour[3] == 1]
     x, y, heading = pose
@@ -40,7 +40,7 @@ def test_the_outline_of_a_prism_is_the_hull_of_its_projected_corners(camera, pos
 
 
 @given(PINHOLES, POSES)
-def test_the_top_is_the_outline_at_its_height_in_the_robot_s_own_colour(camera, pose) -> None:
+def test_top_face_is_the_outline_at_body_height_in_the_body_color(camera, pose) -> None:
     seen = robot_solids(camera, PLAIN, np.array([pose]), colouring(1))
     x, y, heading = pose
     flat = np.exp(1j * heading) * (np.array([1, -1, -1, 1]) * 0.15 + 1j * np.array([1, 1, -1, -1]) * 0.1)
@@ -51,7 +51,7 @@ def test_the_top_is_the_outline_at_its_height_in_the_robot_s_own_colour(camera, 
 
 
 @given(PINHOLES, st.lists(POSES, min_size=1, max_size=6), st.sampled_from(shipped_robots()))
-def test_the_boxes_hold_all_robots_of_any_kind(camera, poses, name) -> None:
+def test_boxes_contain_robots_of_every_kind(camera, poses, name) -> None:
     seen = robot_solids(camera, load_robot(name), np.array(poses), colouring(len(poses)))
     assert len(seen.paths) == len(seen.colours)
     for path in seen.paths:
@@ -71,7 +71,7 @@ def test_robots_are_painted_from_far_to_near(camera, poses) -> None:
 
 
 @pytest.mark.parametrize("name", shipped_robots())
-def test_every_shipped_robot_lies_within_the_disc_that_spacing_is_measured_with(name) -> None:
+def test_every_shipped_robot_fits_in_its_spacing_disk(name) -> None:
     body = load_robot(name)
     above = PinholeCamera(
         1000, 1000, Aim(0.0, 0.0, 1000.0, np.pi / 2, 1e6), (0.0, 0.0), (0.1, 0.1)

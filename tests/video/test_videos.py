@@ -1,4 +1,4 @@
-"""The six study videos as they ship: facts read from the files, not from the arguments that made them."""
+"""The six study videos: properties read from the files, not from the ffmpeg arguments."""
 
 import struct
 from pathlib import Path
@@ -28,7 +28,7 @@ def video(request, folder) -> Path:
     return folder / f"{request.param}.mp4"
 
 
-def test_the_stream_is_what_browsers_play(video) -> None:
+def test_stream_format_is_playable_in_browsers(video) -> None:
     line = stream_line(video)  # one stream: no audio
     for fact in ("Video: h264 (High)", "yuv420p(tv, bt709", "1280x720", "30 fps"):
         assert fact in line, line
@@ -39,7 +39,7 @@ def luma(picture: np.ndarray) -> np.ndarray:
     return picture[..., :3] @ np.array([0.2126, 0.7152, 0.0722])
 
 
-def test_every_frame_decodes_and_is_the_one_that_was_drawn(video) -> None:
+def test_every_decoded_frame_matches_the_drawn_frame(video) -> None:
     wanted = (0, 1, 45, 244, FRAMES - 1)
     frames = {k: frame for k, frame in enumerate(decoded(video, WIDTH, HEIGHT)) if k in wanted or k >= FRAMES}
     assert max(frames) == FRAMES - 1
@@ -53,7 +53,7 @@ def test_every_frame_decodes_and_is_the_one_that_was_drawn(video) -> None:
     assert colours == pytest.approx(np.array([[0xE3, 0xE4, 0xE8], [0xFA, 0xFA, 0xF7]]), abs=2)
 
 
-def test_the_index_stands_before_the_data(video) -> None:
+def test_index_precedes_the_data(video) -> None:
     kinds = [box.kind for box in boxes(video)]
     assert kinds.index("ftyp") == 0
     assert kinds.index("moov") < kinds.index("mdat")
@@ -68,18 +68,18 @@ def test_the_frame_rate_is_constant(video) -> None:
     assert struct.unpack_from(">II", only(video, "stsz").body, 4)[1] == FRAMES
 
 
-def test_a_second_is_a_closed_group(video) -> None:
+def test_each_second_is_a_closed_group_of_pictures(video) -> None:
     keyframes = [row[0] for row in table(only(video, "stss"), ">I")]
     assert keyframes == list(range(1, FRAMES + 1, FPS))
 
 
-def test_colours_are_tagged_in_full(video) -> None:
+def test_all_color_tags_are_present(video) -> None:
     place = only(video, "stsd").body.index(b"colr")
     kind, primaries, transfer, matrix = struct.unpack_from(">4sHHH", only(video, "stsd").body, place + 4)
     assert (kind, primaries, transfer, matrix) == (b"nclx", 1, 1, 1)
 
 
-def test_nothing_in_the_file_says_what_it_is(video) -> None:
+def test_file_contains_no_identifying_metadata(video) -> None:
     data = video.read_bytes().lower()
     for word in (*(emotion.encode() for emotion in EMOTIONS), b"emovid", b"x264 - core", b"lavf", b"crf=", b"2026"):
         assert word not in data, word
@@ -88,7 +88,7 @@ def test_nothing_in_the_file_says_what_it_is(video) -> None:
     assert only(video, "udta").body.endswith(b"\0\0\0\x08ilst")  # the list of tags is empty
 
 
-def test_all_six_are_alike_in_length_size_and_rate(folder) -> None:
+def test_all_six_videos_share_length_size_and_rate(folder) -> None:
     videos = sorted(folder.glob("*.mp4"))
     assert [path.stem for path in videos] == sorted(EMOTIONS)
     lines = {stream_line(path).split(" kb/s")[0].rsplit(",", 1)[0] for path in videos}

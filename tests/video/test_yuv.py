@@ -33,32 +33,32 @@ def convert(picture: np.ndarray) -> np.ndarray:
      ((0, 255, 0), (173, 42, 26)), ((0, 0, 255), (32, 240, 118)), ((255, 255, 0), (219, 16, 138)),
      ((0, 255, 255), (188, 154, 16)), ((255, 0, 255), (78, 214, 230))],
 )  # fmt: skip
-def test_pure_colours_are_those_of_the_standard(rgb, expected) -> None:
+def test_pure_colors_match_the_standard(rgb, expected) -> None:
     picture = np.full((4, 6, 4), (*rgb, 255), np.uint8)
     assert [set(plane.ravel().tolist()) for plane in planes(convert(picture), 4, 6)] == [{value} for value in expected]
 
 
 @pytest.mark.parametrize("level", range(256))
-def test_greys_have_no_colour(level) -> None:
+def test_grays_have_neutral_chroma(level) -> None:
     y, u, v = planes(convert(np.full((2, 2, 4), level, np.uint8)), 2, 2)
     assert (u.item(), v.item()) == (128, 128)
     assert y[0, 0] == int(16.5 + 219 * level / 255)
 
 
 @given(PICTURES)
-def test_levels_are_the_standard_s_rounded(picture) -> None:
+def test_levels_are_the_rounded_values_of_the_standard(picture) -> None:
     height, width = picture.shape[:2]
     for found, exact in zip(planes(convert(picture), height, width), exact_planes(picture), strict=True):
         assert np.abs(found - exact).max() < 0.51
 
 
 @given(PICTURES)
-def test_conversion_is_that_of_whole_numbers_to_the_last_bit(picture) -> None:
+def test_conversion_equals_exact_integer_arithmetic(picture) -> None:
     assert np.array_equal(convert(picture), whole_frame(picture))
 
 
 @given(PICTURES, st.data())
-def test_converting_what_changed_gives_what_converting_all_does(first, data) -> None:
+def test_partial_conversion_equals_full_conversion(first, data) -> None:
     height, width = first.shape[:2]
     follower = Yuv420(width, height)
     assert np.array_equal(follower.convert(first, [(0, height, 0, width)]), whole_frame(first))
@@ -92,7 +92,7 @@ def test_ffmpeg_finds_the_same_levels(make_scene, keys) -> None:
     assert difference[0].max() <= 1
     blocks = frame.reshape(height // 2, 2, width // 2, 2, 4)
     one = (blocks == blocks[:, :1, :, :1]).all(axis=(1, 3, 4))
-    even = one.copy()  # where no colour changes within the rows that ffmpeg weighs
+    even = one.copy()  # without color changes inside the rows that ffmpeg averages
     for rows in range(1, 4):
         same = one[rows:] & one[:-rows] & (blocks[rows:, 0, :, 0] == blocks[:-rows, 0, :, 0]).all(axis=2)
         even[rows:] &= same
