@@ -18,11 +18,13 @@ def faults(stage: Rectangle, tallest: float = 0.03, **keys: float) -> list[tuple
 
 
 @pytest.mark.parametrize("stage", [GRITSBOTS, ROBOTARIUM, Rectangle(width=3.2, height=2.0)])
-def test_defaults_see_every_stage(stage) -> None:
+def test_default_camera_sees_every_stage(stage) -> None:
     assert faults(stage, 0.1) == []
     aim = aim_of(video(), stage, 0.1)
     assert aim.z == 1.7
-    assert stage.height / 2 < -aim.y < stage.height / 2 + 1.7  # nearer than where the near edge is seen at 45 degrees
+    assert (
+        stage.height / 2 < -aim.y < stage.height / 2 + 1.7
+    )  # nearer than the distance that shows the near edge at 45 degrees
     assert radians(45) < aim.tilt <= radians(60) + 1e-9
 
 
@@ -44,7 +46,7 @@ def test_a_field_of_view_is_across_the_width() -> None:
     assert aim_of(video(field_of_view=90.0), GRITSBOTS, 0.03).focal == pytest.approx(640)
 
 
-def test_the_smallest_field_of_view_is_the_one_that_messages_name() -> None:
+def test_smallest_field_of_view_in_messages_is_accepted() -> None:
     ((key, message),) = faults(GRITSBOTS, field_of_view=5.0)
     assert key == "video.camera.field_of_view"
     needed = float(message.split("at least ")[1].split(",")[0])
@@ -52,7 +54,7 @@ def test_the_smallest_field_of_view_is_the_one_that_messages_name() -> None:
     assert faults(GRITSBOTS, field_of_view=needed - 0.15)
 
 
-def test_the_tilt_that_messages_name_shows_the_stage() -> None:
+def test_tilt_in_messages_shows_the_stage() -> None:
     ((key, message),) = faults(ROBOTARIUM, tilt=0.0, distance=1.0)
     assert key == "video.camera.tilt"
     about = float(message.split("about ")[1].split(",")[0])
@@ -68,14 +70,14 @@ def test_a_camera_among_the_robots_is_refused() -> None:
     assert faults(GRITSBOTS, 0.095, height=0.095)[0][0] == "video.camera.height"
 
 
-def test_a_camera_that_would_see_more_than_a_flat_picture_shows_is_refused() -> None:
+def test_camera_with_a_field_of_view_too_wide_for_a_flat_picture_is_refused() -> None:
     ((key, message),) = faults(GRITSBOTS, height=0.05)
     assert key == "video.camera.height"
     assert "at most 150" in message
     assert faults(GRITSBOTS, height=0.05, distance=2.0) == []
 
 
-def test_the_camera_of_an_overhead_view_is_not_held_against_the_stage(make_scene) -> None:
+def test_overhead_view_does_not_check_the_camera(make_scene) -> None:
     keys = {"video.camera.field_of_view": 2.0}
     assert make_scene("fear", keys).video.view == "overhead"
     with pytest.raises(SourceError, match="2: the stage is not in view"):

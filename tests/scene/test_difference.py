@@ -13,7 +13,7 @@ CHANGES = {"robot.l": 0.0021, "robots": 9, "video.trails.seconds": 2.5, "video.c
 
 
 @given(st.sets(st.sampled_from(sorted(CHANGES))))
-def test_exactly_the_keys_that_were_replaced_differ(keys) -> None:
+def test_diff_lists_exactly_the_replaced_keys(keys) -> None:
     fear = load_scene("fear")
     found = differences(fear, load_scene("fear", {key: CHANGES[key] for key in keys}))
     assert {row.key for row in found} == keys
@@ -21,7 +21,7 @@ def test_exactly_the_keys_that_were_replaced_differ(keys) -> None:
 
 
 @pytest.mark.parametrize("other", sorted(set(EMOTIONS) - {"anger"}))
-def test_setting_what_differs_makes_the_one_scene_the_other(other) -> None:
+def test_applying_the_differences_turns_one_scene_into_the_other(other) -> None:
     anger, second = load_scene("anger"), load_scene(other)
     data = anger.resolved()
     for key, _, value in differences(anger, second):
@@ -35,7 +35,7 @@ def test_setting_what_differs_makes_the_one_scene_the_other(other) -> None:
         if value is not ABSENT:
             group[last] = value
 
-    def pruned(value):  # groups whose keys have all gone are gone
+    def pruned(value):  # remove groups without keys
         if not isinstance(value, dict):
             return value
         kept = {key: pruned(item) for key, item in value.items()}
@@ -51,14 +51,14 @@ def test_a_key_that_only_one_scene_has_is_absent_in_the_other() -> None:
     assert sigma.second == load_scene("anger").behaviour.density.sigma
 
 
-def test_lists_of_other_lengths_differ_as_a_whole() -> None:
+def test_lists_of_different_length_differ_as_one_key() -> None:
     one, two = (
         load_scene("fear", [Setting("video.colours.trails", trails, "")]) for trails in (["theme"], 2 * ["theme"])
     )
     assert differences(one, two) == [("video.colours.trails", ["theme"], ["theme", "theme"])]
 
 
-def test_the_command_exits_as_diff_does_and_prints_a_table(tmp_path, capsys) -> None:
+def test_scene_diff_prints_a_table_and_exits_like_diff(tmp_path, capsys) -> None:
     mine = tmp_path / "mine.yaml"
     text = shipped_scene("anger").read_text()
     mine.write_text("# a comment is no difference\n" + text)
@@ -71,7 +71,7 @@ def test_the_command_exits_as_diff_does_and_prints_a_table(tmp_path, capsys) -> 
     assert rows == [["key", "anger", str(mine)], ["seed", str(seed), f"9{seed}"]]
 
 
-def test_json_has_values_in_full_and_leaves_out_what_is_absent(capsys) -> None:
+def test_json_has_full_values_and_omits_absent_keys(capsys) -> None:
     assert main(["scene", "diff", "fear", "anger", "--json"]) == 1
     found = json.loads(capsys.readouterr().out)
     assert (found["first"], found["second"]) == ("fear", "anger")
@@ -80,6 +80,6 @@ def test_json_has_values_in_full_and_leaves_out_what_is_absent(capsys) -> None:
     assert "first" not in rows["behaviour.density.sigma"]
 
 
-def test_an_invalid_scene_gives_one_line(capsys) -> None:
+def test_invalid_scene_gives_a_one_line_message(capsys) -> None:
     assert main(["scene", "diff", "fear", "angr"]) == 2
     assert capsys.readouterr().err == "angr: no such file or emotion (did you mean anger?)\n"

@@ -18,7 +18,7 @@ FEAR = shipped_scene("fear").read_text(encoding="utf-8")
 
 @pytest.fixture
 def scene_file(tmp_path) -> Path:
-    """Write a scene whose density is a picture beside it, and that picture."""
+    """Write a scene whose density is a picture, and the picture next to it."""
     keys = "    kind: image\n    file: maps/map.png\n    smoothing: 0.05"
     lines = ["    kind: image" if line.startswith("    kind: uniform") else line for line in FEAR.splitlines()]
     text = "\n".join(lines).replace("    kind: image", keys)
@@ -33,7 +33,7 @@ def save(folder: Path, values: np.ndarray, mode: str | None = None) -> None:
     picture.save(folder / "maps" / "map.png")
 
 
-def test_a_picture_is_found_from_the_scene_s_folder_and_kept_with_the_scene(scene_file, monkeypatch) -> None:
+def test_picture_path_is_relative_to_the_scene_and_pixels_are_stored_in_it(scene_file, monkeypatch) -> None:
     monkeypatch.chdir("/")
     density = load_scene(scene_file).behaviour.density
     picture = picture_of(density.pixels)
@@ -41,7 +41,7 @@ def test_a_picture_is_found_from_the_scene_s_folder_and_kept_with_the_scene(scen
     assert list(picture.values) == list(range(0, 240, 2))
 
 
-def test_a_scene_with_its_picture_needs_no_file(scene_file, tmp_path) -> None:
+def test_scene_with_a_loaded_picture_needs_no_file(scene_file, tmp_path) -> None:
     scene = load_scene(scene_file)
     run = simulate(scene.model_copy(update={"duration": 1.0}))
     save_trajectory(run, tmp_path / "run.npz")
@@ -51,7 +51,7 @@ def test_a_scene_with_its_picture_needs_no_file(scene_file, tmp_path) -> None:
     assert simulate(again).digest() == run.digest()
 
 
-def test_the_digest_is_of_what_the_picture_shows(scene_file, tmp_path) -> None:
+def test_digest_depends_on_the_pixels_of_the_picture(scene_file, tmp_path) -> None:
     before = scene_digest(load_scene(scene_file))
     Image.open(tmp_path / "maps" / "map.png").convert("RGBA").save(tmp_path / "maps" / "map.png", compress_level=0)
     assert scene_digest(load_scene(scene_file)) == before
@@ -59,7 +59,7 @@ def test_the_digest_is_of_what_the_picture_shows(scene_file, tmp_path) -> None:
     assert scene_digest(load_scene(scene_file)) != before
 
 
-def test_a_large_picture_is_kept_small(scene_file, tmp_path) -> None:
+def test_large_pictures_are_reduced(scene_file, tmp_path) -> None:
     save(tmp_path, np.kron(np.arange(0, 240, 2).reshape(10, 12), np.ones((64, 64))))
     picture = picture_of(load_scene(scene_file).behaviour.density.pixels)
     assert (picture.width, picture.height) == (MAX_SIDE, 107)
@@ -81,7 +81,7 @@ def cut_off(path: Path) -> None:
 
 
 def with_header(path: Path, header: bytes) -> None:
-    """Replace the header of a PNG, as a chunk of the right checksum."""
+    """Replace the header of a PNG, with a correct checksum."""
     png, chunk = path.read_bytes(), b"IHDR" + header
     path.write_bytes(png[:8] + len(header).to_bytes(4) + chunk + zlib.crc32(chunk).to_bytes(4) + png[33:])
 
@@ -105,14 +105,14 @@ SPOILT = {
 }
 
 
-def test_an_animation_without_frames_is_a_broken_picture(scene_file, tmp_path) -> None:
+def test_animation_without_frames_is_refused(scene_file, tmp_path) -> None:
     animated_without_frames(tmp_path / "maps" / "map.png")
     with pytest.raises(SourceError, match=r"behaviour.density.file: maps/map.png: a broken PNG$"):
         load_scene(scene_file)
 
 
 @pytest.mark.parametrize("message", SPOILT)
-def test_a_picture_that_cannot_be_meant_is_one_line(scene_file, tmp_path, message) -> None:
+def test_invalid_picture_gives_a_one_line_message(scene_file, tmp_path, message) -> None:
     SPOILT[message](tmp_path / "maps" / "map.png")
     with pytest.raises(SourceError) as caught:
         load_scene(scene_file)
@@ -130,14 +130,14 @@ def test_a_picture_that_cannot_be_meant_is_one_line(scene_file, tmp_path, messag
         ("smoothing: 0.05", "smoothing: 0.05\n    pixels: abc", "pixels: not the contents of a picture"),
     ],
 )
-def test_keys_that_cannot_be_meant_are_one_line(scene_file, old, new, message) -> None:
+def test_invalid_picture_keys_give_a_one_line_message(scene_file, old, new, message) -> None:
     scene_file.write_text(scene_file.read_text().replace(old, new))
     with pytest.raises(SourceError) as caught:
         load_scene(scene_file)
     assert f"behaviour.density.{message}" in str(caught.value)
 
 
-def test_a_part_of_a_sum_is_named_in_full() -> None:
+def test_errors_in_part_of_a_sum_name_the_full_key() -> None:
     parts = "    kind: sum\n    parts:\n      - density:\n          kind: uniform\n      - weight: 2\n"
     parts += "        density:\n          kind: gaussian\n          sigma: {sigma}\n"
     before, _, after = FEAR.partition("    kind: uniform")
@@ -155,5 +155,5 @@ def test_a_part_of_a_sum_is_named_in_full() -> None:
     )
 
 
-def test_no_shipped_scene_needs_another_file() -> None:
+def test_shipped_scenes_need_no_other_file() -> None:
     assert not [emotion for emotion in EMOTIONS if "file:" in shipped_scene(emotion).read_text(encoding="utf-8")]

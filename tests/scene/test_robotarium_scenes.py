@@ -9,7 +9,7 @@ from emovid.scene.model import Scene
 from emovid.scene.robots import Barrier
 from emovid.yaml_source import read_yaml
 
-TIMES = {"robotarium": 8, "robotarium-today": 5}  # how many times as slow as in simulation
+TIMES = {"robotarium": 8, "robotarium-today": 5}  # factor by which a run is slower than in simulation
 ARENAS = {"robotarium": (4.3, 3.6), "robotarium-today": (3.2, 2.0)}
 
 each_scene = pytest.mark.parametrize("name", [name for name in shipped_names() if "/" in name])
@@ -27,7 +27,7 @@ def keys(data: object, path: str = "") -> set[str]:
 
 
 @each_scene
-def test_scene_is_of_the_papers_robots(name: str) -> None:
+def test_robotarium_scenes_use_the_robots_of_the_paper(name: str) -> None:
     platform, emotion = split(name)
     scene = load_scene(name)
     assert scene.emotion == emotion
@@ -46,7 +46,7 @@ def test_scene_is_of_the_papers_robots(name: str) -> None:
 def test_scene_spells_out_every_key(name: str) -> None:
     raw, _ = read_yaml(shipped_scene(name).read_text(encoding="utf-8"), name)
     resolved = load_scene(name).resolved()
-    resolved["robot"] |= {"model": "gritsbot_x", "limits": "model"}  # both in the robot's own file
+    resolved["robot"] |= {"model": "gritsbot_x", "limits": "model"}  # both are in the file of the robot
     assert keys(raw) == keys(resolved)
 
 
@@ -61,32 +61,32 @@ def test_header_cites_section_five_and_both_videos(name: str) -> None:
     assert f"--platform {platform}" in header[0]
 
 
-def test_a_word_is_enough_for_a_scene_without_safety() -> None:
+def test_safety_accepts_a_kind_instead_of_a_group() -> None:
     scene = load_scene("robotarium/fear", {"safety": "none"})
     assert scene == load_scene("robotarium/fear", {"safety": {"kind": "none"}})
     assert load_scene("robotarium/fear", {"safety": "barrier"}).safety == Barrier(kind="barrier")
 
 
-def test_a_scenes_own_snapshots_go_before_the_papers() -> None:
+def test_snapshots_of_a_scene_override_those_of_the_paper() -> None:
     assert load_scene("fear").snapshot_times == EMOTIONS["fear"].snapshot_times
     assert load_scene("fear", {"snapshots": [0, 2]}).snapshot_times == (0, 2)
     nobody: Scene = load_scene("fear", {"emotion": None})
     assert nobody.snapshot_times is None
 
 
-def test_robots_with_motors_are_spared_of_angers_peaks_alone() -> None:
+def test_for_robots_with_motors_only_claims_on_peaks_except_anger() -> None:
     kept = claims_on(motors=True)
     assert claims_on(motors=False) == CLAIMS
     assert set(exceptions(motors=True)) == {claim.text for claim in CLAIMS if claim.peaks}
     assert not exceptions(motors=False)
     assert [claim for claim in kept if not claim.peaks] == [claim for claim in CLAIMS if not claim.peaks]
     assert len(CLAIMS) - len(kept) == 2
-    assert not any(claim.peaks for claim in kept)  # both are of anger alone: nothing is left of them without it
+    assert not any(claim.peaks for claim in kept)  # both concern anger only
     spared = {claim.text for claim in CLAIMS if claim.peaks}
     assert all("peak" in text or "spectral arc length" in text for text in spared)
 
 
-def test_platforms_have_all_six() -> None:
+def test_every_platform_has_all_six_emotions() -> None:
     for platform in PLATFORMS:
         folder = shipped_scene(f"{platform}/fear").parent
         assert {path.stem for path in folder.iterdir()} == set(EMOTIONS)

@@ -1,4 +1,4 @@
-"""Robots' files: what they say, what scenes make of them, and what is said of broken ones."""
+"""Robot files: contents, use in scenes, and messages about invalid files."""
 
 import json
 import pickle
@@ -46,40 +46,40 @@ def scene_of(model: object, **keys: object):
     return load_scene("sadness", settings)
 
 
-def test_robots_that_ship() -> None:
+def test_shipped_robots_are_listed() -> None:
     expected = ["crazyflie", "e_puck2", "gritsbot", "gritsbot_x", "single_integrator", "turtlebot3_burger"]
     assert shipped_robots() == expected
     assert {load_robot(name).name for name in expected} == set(expected)
 
 
 @pytest.mark.parametrize("name", shipped_robots())
-def test_a_shipped_robot_says_where_its_numbers_are_from_and_keeps_to_the_line(name: str) -> None:
+def test_shipped_robot_files_cite_sources_and_keep_the_line_length(name: str) -> None:
     lines = (ROOT / "configs" / "robots" / f"{name}.yaml").read_text().splitlines()
     header = " ".join(lines[: next(i for i, line in enumerate(lines) if not line.startswith("#"))])
     assert any(source in header for source in ("doi", "github.com", ".org", "Appendix A"))
     assert max(map(len, lines)) <= 120
 
 
-def test_the_gritsbot_x_is_the_robotarium_s() -> None:
+def test_gritsbot_x_has_the_dimensions_of_the_robotarium() -> None:
     robot = load_robot("gritsbot_x")
     assert robot.wheels is not None
     assert (robot.wheels.radius, robot.wheels.base, robot.limits) == (0.016, 0.105, Limits(wheel_max=0.2))
     assert robot.shape.box == (0.09, 0.095)
     ahead, radius = robot.disc
     assert ahead == 0.015  # a sixth of the body
-    # Two bodies whose middles are as near as the simulator lets its robots come cannot touch.
+    # Two bodies at the smallest distance that the simulator allows do not touch.
     assert 2 * radius < 0.135
     assert robot.radius == pytest.approx(hypot(0.06 - 0.012, 0.0475 - 0.012) + 0.012)
 
 
-def test_a_disc_about_the_body_is_smaller_than_one_about_the_axle() -> None:
+def test_disk_around_the_body_center_is_smaller_than_around_the_axle() -> None:
     for name in shipped_robots():
         robot = load_robot(name)
         ahead, radius = robot.disc
         assert radius <= robot.radius <= radius + abs(ahead)
 
 
-def test_a_robot_s_file_is_found_from_the_scene(tmp_path) -> None:
+def test_robot_file_path_is_relative_to_the_scene(tmp_path) -> None:
     (tmp_path / "robots").mkdir()
     (tmp_path / "robots" / "mine.yaml").write_text(OWN)
     text = (ROOT / "configs" / "sadness.yaml").read_text()
@@ -90,7 +90,7 @@ def test_a_robot_s_file_is_found_from_the_scene(tmp_path) -> None:
     assert scene.robot.limits is None
 
 
-def test_a_scene_holds_its_robot_and_needs_no_file_any_more(tmp_path) -> None:
+def test_loaded_scene_contains_its_robot(tmp_path) -> None:
     file = tmp_path / "mine.yaml"
     file.write_text(OWN)
     scene = scene_of(str(file))
@@ -100,7 +100,7 @@ def test_a_scene_holds_its_robot_and_needs_no_file_any_more(tmp_path) -> None:
     assert scene_digest(again) == scene_digest(scene)
 
 
-def test_a_worker_elsewhere_gets_the_robot_with_the_scene(tmp_path) -> None:
+def test_pickled_scene_contains_its_robot(tmp_path) -> None:
     file = tmp_path / "mine.yaml"
     file.write_text(OWN)
     sent = pickle.dumps(scene_of(str(file)))
@@ -126,13 +126,13 @@ def test_the_folder_of_a_robot_s_file_does_not_matter(tmp_path) -> None:
     assert len(digests) == 1
 
 
-def test_limits_of_the_model_are_those_of_its_file() -> None:
+def test_model_limits_come_from_the_robot_file() -> None:
     assert scene_of("gritsbot", limits="model").robot.limits == Limits(v_max=0.1, omega_max=6.283185307179586)
     assert scene_of("gritsbot").robot.limits is None
 
 
 @pytest.mark.parametrize("limits", [{"v_max": 0.1}, {"v_max": 0.2, "omega_max": 3.0}])
-def test_limits_of_the_model_are_those_of_a_robot_written_in_the_scene(limits) -> None:
+def test_model_limits_come_from_a_robot_written_in_the_scene(limits) -> None:
     body = {"kinematics": "unicycle", "shape": {"kind": "circle", "radius": 0.01}, "height": 0.02}
     assert scene_of(body | {"limits": limits}, limits="model").robot.limits == Limits(**limits)
     with pytest.raises(SourceError, match=r"test: robot.limits: model: a robot has none; expected null or limits"):
@@ -153,7 +153,7 @@ def test_a_robot_can_be_written_in_the_scene() -> None:
 
 
 @pytest.mark.parametrize("path", BROKEN, ids=lambda path: path.stem)
-def test_a_broken_robot_is_one_line_that_names_its_file_and_line(path, capsys, monkeypatch, tmp_path) -> None:
+def test_invalid_robot_gives_one_line_with_file_and_line(path, capsys, monkeypatch, tmp_path) -> None:
     monkeypatch.chdir(ROOT)
     expected = path.read_text().splitlines()[0].removeprefix("# expected: ")
     with pytest.raises(SourceError) as caught:
@@ -165,12 +165,12 @@ def test_a_broken_robot_is_one_line_that_names_its_file_and_line(path, capsys, m
     assert capsys.readouterr().err == f"{ROOT}/{expected}\n"
 
 
-def test_there_is_a_broken_robot_of_every_kind() -> None:
+def test_examples_of_invalid_robots_cover_every_kind() -> None:
     kinds = {"unknown_key", "missing_key", "wrong_kinematics", "wrong_shape", "corner_too_round", "no_group"}
     assert kinds <= {path.stem for path in BROKEN}
 
 
-def test_an_empty_file_is_no_robot(tmp_path) -> None:
+def test_empty_robot_file_is_refused(tmp_path) -> None:
     (tmp_path / "empty.yaml").write_text("# nothing\n")
     with pytest.raises(SourceError, match=r"empty.yaml: empty: expected a robot$"):
         load_robot(tmp_path / "empty.yaml")
@@ -202,7 +202,7 @@ def test_a_name_that_no_file_can_have_is_refused_in_one_line(name: str) -> None:
     assert "\n" not in str(caught.value)
 
 
-def test_the_guide_lists_the_robots_and_its_own_works(tmp_path) -> None:
+def test_robots_page_lists_all_robots_and_its_example_loads(tmp_path) -> None:
     assert sorted(re.findall(r"^\| `([a-z0-9_]+)` \|", GUIDE, re.MULTILINE)) == shipped_robots()
     (text,) = re.findall(r"```yaml\n(# roomba.yaml.*?)```", GUIDE, re.DOTALL)
     (tmp_path / "roomba.yaml").write_text(text)

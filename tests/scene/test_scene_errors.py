@@ -59,7 +59,7 @@ def assert_refused(
 # --- configs/errors --------------------------------------------------------------------------------------------------
 
 
-def test_every_kind_of_fault_has_a_broken_scene():
+def test_every_kind_of_error_has_an_example_in_configs():
     assert {path.suffix for path in BROKEN} == {".yaml"}
     assert set(KINDS) <= {path.stem for path in BROKEN}
     assert len(BROKEN) >= 80
@@ -81,7 +81,7 @@ def test_every_kind_of_fault_has_a_broken_scene():
         ("stage.corners", [{"x": 0, "y": 0}, {"x": 1, "y": 1}], "stage.corners: a list of 2: expected at least 3"),
     ],
 )
-def test_a_broken_item_is_named_and_not_called_too_few(key, corners, expected):
+def test_invalid_list_item_is_named_instead_of_a_wrong_count(key, corners, expected):
     shape = {"robot.model": BOX | {"shape": {"kind": "polygon"}}} if "shape" in key else {"stage": {}}
     with pytest.raises(SourceError) as caught:
         load_scene("anger", shape | {key: corners})
@@ -102,7 +102,7 @@ def test_a_broken_item_is_named_and_not_called_too_few(key, corners, expected):
         ),
     ],
 )
-def test_keys_that_go_with_others_only_are_refused(source, keys, expected):
+def test_keys_without_their_companions_are_refused(source, keys, expected):
     with pytest.raises(SourceError) as caught:
         load_scene(source, keys)
     assert f"{caught.value.key}: {caught.value.message}".startswith(expected)
@@ -119,34 +119,34 @@ def test_keys_that_go_with_others_only_are_refused(source, keys, expected):
         ("fear", "robot.model.shape.corner", 0.03, {"robot.model": BOX}),
     ],
 )
-def test_the_bound_that_a_message_names_is_allowed(source, key, given, others):
+def test_bound_in_a_message_is_itself_accepted(source, key, given, others):
     keys = others | {"snapshots": None}
     with pytest.raises(SourceError) as caught:
         load_scene(source, keys | {key: given})
     assert caught.value.key == key
     bound = float(re.findall(r"[0-9][0-9.]*", caught.value.message)[-1])
     load_scene(source, keys | {key: bound})
-    with pytest.raises(SourceError, match=key):  # and nothing much beyond it
+    with pytest.raises(SourceError, match=key):  # and values clearly beyond it are refused
         load_scene(source, keys | {key: bound * (1 + copysign(1e-3, given - bound))})
 
 
 @pytest.mark.parametrize(
     ("key", "source"), [("stage.width", "anger"), ("stage.height", "anger"), ("safety.period", "robotarium/anger")]
 )
-def test_a_number_too_small_to_divide_by_is_one_line(key, source):
+def test_number_too_small_to_divide_by_gives_a_one_line_message(key, source):
     with pytest.raises(SourceError, match=rf"^--set {key}=5e-324: {key}: 5e-324: expected at least 1e-06$"):
         overridden(f"{key}=5e-324", source=source)
 
 
 @pytest.mark.parametrize("path", BROKEN, ids=lambda path: path.stem)
-def test_broken_scene_is_one_line_and_writes_nothing(path, capsys, tmp_path):
+def test_invalid_scene_gives_one_line_and_writes_no_file(path, capsys, tmp_path):
     comment = path.read_bytes().splitlines()[0].decode("ascii")
     expected = comment.removeprefix("# expected: ")
     assert expected.startswith(f"configs/errors/{path.name}:")
     assert_refused([f"configs/errors/{path.name}"], expected, capsys, tmp_path)
 
 
-# --- files that are no scenes ----------------------------------------------------------------------------------------
+# --- files without a scene -------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -157,11 +157,11 @@ def test_broken_scene_is_one_line_and_writes_nothing(path, capsys, tmp_path):
         ("configs", "configs: cannot be read: is a directory"),
     ],
 )
-def test_no_file_to_read(source, expected, capsys, tmp_path):
+def test_missing_scene_file_is_reported(source, expected, capsys, tmp_path):
     assert_refused([source], expected, capsys, tmp_path)
 
 
-def test_name_too_long_for_a_file(capsys, tmp_path):
+def test_too_long_scene_name_is_reported(capsys, tmp_path):
     name = "x" * 300
     code = main(["render", name, "-o", str(tmp_path / "out")])
     out, err = capsys.readouterr()
@@ -172,7 +172,7 @@ def test_name_too_long_for_a_file(capsys, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_file_too_large_for_a_scene(capsys, tmp_path):
+def test_too_large_scene_file_is_refused(capsys, tmp_path):
     path = tmp_path / "large.yaml"
     with path.open("wb") as file:
         file.truncate(32_000_001)
@@ -216,24 +216,24 @@ def test_file_too_large_for_a_scene(capsys, tmp_path):
         (["--fps", "0"], "--fps 0: expected a whole number, at least 1 (did you mean 1?)"),
     ],
 )  # fmt: skip
-def test_override_is_named(options, expected, capsys, tmp_path):
+def test_invalid_override_is_named(options, expected, capsys, tmp_path):
     assert_refused([SHIPPED, *options], expected, capsys, tmp_path)
 
 
 @pytest.mark.parametrize("key", ["²", "start.poses.².x", "9" * 5000, "robot.", ".", "robot..K", "robot.K.0"])
-def test_override_of_an_odd_key_is_a_scene_error(key):
+def test_override_of_an_invalid_key_is_a_source_error(key):
     with pytest.raises(SourceError) as caught:
         overridden(f"{key}=1")
     assert str(caught.value).startswith("--set ")
 
 
-def test_override_that_only_the_simulator_minds_is_named(capsys, tmp_path):
+def test_override_refused_by_the_simulator_is_named(capsys, tmp_path):
     source = ["configs/errors/no_room_at_random.yaml", "--set", "start.min_spacing=0.07", "--set", "robots=180"]
     message = "180 robots do not fit into 1.16 m x 0.761 m at random with 70 mm between centres: room was found for 135"
     assert_refused(source, f"--set robots=180: robots: {message}", capsys, tmp_path)
 
 
-def test_override_mends_a_broken_scene(capsys):
+def test_override_can_fix_an_invalid_scene(capsys):
     broken = ["scene", "check", "configs/errors/out_of_range.yaml", "--set", "duration=0.2"]
     assert main(broken) == 2
     assert main([*broken, "--set", "behaviour.kappa=6.5"]) == 0
@@ -244,14 +244,14 @@ def test_later_override_wins():
     assert overridden("robot.K=4", "robot.K=5").robot.K == 5
 
 
-def test_override_makes_the_group_it_is_in():
+def test_override_creates_its_parent_group():
     assert overridden().robot.limits is None
     limits = overridden("robot.limits.v_max=0.1").robot.limits
     assert limits is not None
     assert (limits.v_max, limits.omega_max, limits.wheel_max) == (0.1, None, None)
 
 
-def test_override_makes_a_group_that_the_file_leaves_out(tmp_path):
+def test_override_creates_an_omitted_optional_group(tmp_path):
     short = tmp_path / "short.yaml"
     short.write_text(Path(SHIPPED).read_text(encoding="utf-8").partition("video:  #")[0], encoding="utf-8")
     assert load_scene(short).video.trails.robots != 2
@@ -264,24 +264,24 @@ def test_override_replaces_a_whole_group():
 
 
 def test_override_sets_an_item_of_a_list():
-    file = "configs/errors/poses_overlap.yaml"  # robots 1 and 2 overlap: only the simulator minds
+    file = "configs/errors/poses_overlap.yaml"  # robots 1 and 2 overlap: only the simulator checks this
     poses = overridden("start.poses.1.x=0.1", source=file).start.model_dump()["poses"]
     assert [pose["x"] for pose in poses] == [0, 0.1, 0.2]
 
 
-def test_override_of_an_item_of_a_list_is_named():
+def test_invalid_override_of_a_list_item_is_named():
     with pytest.raises(SourceError) as caught:
         overridden("start.poses.1.x=east", source="configs/errors/poses_overlap.yaml")
     assert str(caught.value) == "--set start.poses.1.x=east: start.poses.1.x: 'east': expected a number"
 
 
-def test_override_of_a_colour_is_no_comment():
+def test_override_of_a_hex_color_is_not_read_as_a_comment():
     colours = overridden("video.colours.body=#112233", "video.colours.trails.1=#445566").video.colours
     assert colours.body == "#112233"
     assert colours.trails[1] == "#445566"
 
 
-def test_override_with_nothing_is_null():
+def test_override_without_a_value_is_null():
     assert load_scene("configs/fear.yaml").behaviour.model_dump()["u_max"] is not None
     assert overridden("behaviour.u_max=", source="configs/fear.yaml").behaviour.model_dump()["u_max"] is None
 

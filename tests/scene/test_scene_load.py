@@ -82,7 +82,7 @@ def groups_in(data):
 
 
 @each_emotion
-def test_shipped_scene_is_what_the_study_shows(emotion):
+def test_shipped_scene_matches_the_study(emotion):
     scene = load_scene(emotion)
     assert scene.emotion == emotion
     assert (scene.duration, scene.video.size, scene.video.fps, scene.robots) == (15, "1280x720", 30, 15)
@@ -91,19 +91,19 @@ def test_shipped_scene_is_what_the_study_shows(emotion):
 
 
 @each_emotion
-def test_shipped_scene_has_the_papers_behaviour(emotion):
+def test_shipped_scene_has_the_papers_behavior(emotion):
     written = leaves(raw_of(emotion)["behaviour"])
     assert BEHAVIOURS[emotion].items() <= {key.split(".")[-1]: value for key, value in written.items()}.items()
 
 
 @each_emotion
-def test_emotion_means_its_file_in_configs(emotion):
+def test_emotion_name_loads_its_file_in_configs(emotion):
     assert find_scene(emotion) == shipped_scene(emotion)
     assert shipped_scene(emotion).samefile(CONFIGS / f"{emotion}.yaml")
     assert load_scene(CONFIGS / f"{emotion}.yaml").resolved() == load_scene(emotion).resolved()
 
 
-def test_no_other_scene_ships():
+def test_configs_contain_only_the_six_emotions():
     assert {path.stem for path in CONFIGS.glob("*.yaml")} == set(EMOTIONS)
 
 
@@ -117,7 +117,7 @@ def test_header_cites_the_paper_and_the_video(emotion):
 
 
 @each_emotion
-def test_config_has_one_key_a_line(emotion):
+def test_config_has_one_key_per_line(emotion):
     lines = [re.sub(r"(^|\s)#.*", "", line).rstrip() for line in text_of(emotion).splitlines()]
     written = [line for line in lines if line]
     assert len(written) > 35
@@ -128,7 +128,7 @@ def test_config_has_one_key_a_line(emotion):
 @each_emotion
 def test_config_spells_out_every_key(emotion):
     resolved = load_scene(emotion).resolved()
-    resolved["robot"]["model"] = resolved["robot"]["model"]["name"]  # its other keys are in its own file
+    resolved["robot"]["model"] = resolved["robot"]["model"]["name"]  # the other keys are in the file of the robot
     assert leaves(raw_of(emotion)).keys() == leaves(resolved).keys()
 
 
@@ -136,7 +136,7 @@ def test_config_spells_out_every_key(emotion):
 
 
 @each_emotion
-def test_scene_text_means_the_same(emotion):
+def test_scene_text_loads_as_the_same_scene(emotion):
     scene = load_scene(emotion)
     again = parse_scene(scene_text(scene), "again.yaml")
     assert again.resolved() == scene.resolved()
@@ -158,7 +158,7 @@ def test_scene_text_spells_out_defaults():
 
 
 @each_emotion
-def test_digest_is_of_the_meaning(emotion):
+def test_digest_ignores_key_order_and_comments(emotion):
     raw = raw_of(emotion)
     expected = scene_digest(load_scene(emotion))
     backwards = yaml.safe_dump({key: raw[key] for key in reversed(raw)}, sort_keys=False)
@@ -169,12 +169,12 @@ def test_digest_is_of_the_meaning(emotion):
 
 
 @pytest.mark.parametrize("number", ["15.0", "1.5e1", "+15", "0xF", "15."])
-def test_digest_is_of_the_number_not_its_spelling(number):
+def test_digest_ignores_the_notation_of_numbers(number):
     spelt = SHORT.replace("duration: 15", f"duration: {number}")
     assert scene_digest(parse_scene(spelt, "f.yaml")) == scene_digest(parse_scene(SHORT, "f.yaml"))
 
 
-def test_digest_counts_defaults_left_out():
+def test_digest_includes_omitted_defaults():
     spelt = SHORT + "video:\n  fps: 30\n"
     assert scene_digest(parse_scene(spelt, "f.yaml")) == scene_digest(parse_scene(SHORT, "f.yaml"))
 
@@ -202,7 +202,7 @@ def another(key, value):
 def test_digest_changes_with_any_value(emotion):
     scene = load_scene(emotion)
     resolved, text = scene.resolved(), scene_text(scene)
-    needy = ("law", "shape", "kind", "place", "fade", "density", "saturation")  # other values of these need other keys
+    needy = ("law", "shape", "kind", "place", "fade", "density", "saturation")  # other values need other keys
     free = [key for key in leaves(resolved) if key.split(".")[-1] not in needy]
     digests = {
         key: scene_digest(parse_scene(text, "f.yaml", [Setting(key, another(key, leaves(resolved)[key]), key)]))
@@ -212,7 +212,7 @@ def test_digest_changes_with_any_value(emotion):
     assert len({*digests.values(), scene_digest(load_scene(emotion))}) == len(free) + 1
 
 
-def test_digest_changes_with_words_that_take_other_keys():
+def test_digest_changes_with_the_kind_of_start():
     groups = (
         {"place": "contour"},
         {"place": "stage"},
@@ -266,7 +266,7 @@ def test_schema_rejects_unknown_keys_in_every_group(emotion):
      ("start", {"place": "stage", "region": None}), ("behaviour", {"law": "contour"}), ("video", {"fps": 0}),
      ("video", {"colours": {"body": "red"}}), ("video", {"colours": {"trails": []}})],
 )  # fmt: skip
-def test_schema_rejects_what_the_scene_rejects(key, value):
+def test_schema_and_parser_reject_the_same_values(key, value):
     data = raw_of("happiness")
     data[key] = value
     assert not Draft202012Validator(scene_schema()).is_valid(data)
@@ -275,7 +275,7 @@ def test_schema_rejects_what_the_scene_rejects(key, value):
 
 
 @pytest.mark.parametrize("key", ["emotion", "behaviour", "robot", "robots", "stage", "start", "duration", "seed"])
-def test_schema_wants_what_the_scene_wants(key):
+def test_schema_and_parser_require_the_same_keys(key):
     data = raw_of("happiness")
     del data[key]
     assert not Draft202012Validator(scene_schema()).is_valid(data)
@@ -293,10 +293,10 @@ def test_schema_describes_every_key():
     assert not [name for name, description in described if not description]
 
 
-# --- a scene that exists ---------------------------------------------------------------------------------------------
+# --- a loaded scene --------------------------------------------------------------------------------------------------
 
 
-def test_scene_pickles_with_its_places():
+def test_pickled_scene_keeps_its_line_numbers():
     scene = parse_scene(SHORT, "f.yaml")
     copied = pickle.loads(pickle.dumps(scene))  # noqa: S301 - it is our own
     assert isinstance(copied, Scene)
@@ -305,7 +305,7 @@ def test_scene_pickles_with_its_places():
     assert str(copied.fault("robots", "too many")) == "f.yaml:10: robots: too many"
 
 
-def test_fault_pickles():
+def test_source_error_can_be_pickled():
     fault = parse_scene(SHORT, "f.yaml").fault("robots", "too many")
     copied = pickle.loads(pickle.dumps(fault))  # noqa: S301 - it is our own
     assert isinstance(copied, SourceError)
@@ -337,13 +337,13 @@ def test_scene_is_frozen(key):
         ("start.poses", "--start"),
     ],
 )
-def test_fault_names_file_and_line(key, place):
+def test_source_error_names_file_and_line(key, place):
     start = {"place": "poses", "poses": [{"x": x, "y": 0} for x in (-0.1, 0, 0.1)]}
     scene = parse_scene(SHORT, "f.yaml", [Setting("start", start, "--start")])
     assert str(scene.fault(key, "too far")) == f"{place}: {key}: too far"
 
 
-def test_fault_names_the_line_of_a_list_item():
+def test_source_error_names_the_line_of_a_list_item():
     poses = "start:\n  place: poses\n  poses:\n" + "".join(f"    - x: {x}\n      y: 0\n" for x in (-0.1, 0, 0.1))
     scene = parse_scene(SHORT.replace("start:\n  place: contour\n", poses), "f.yaml")
     assert scene.fault("start.poses.0", "").where == "f.yaml:17"
@@ -351,19 +351,19 @@ def test_fault_names_the_line_of_a_list_item():
     assert scene.fault("start.poses.2.y", "").where == "f.yaml:22"
 
 
-def test_values_that_keys_are_replaced_by_stay_as_they_are() -> None:
+def test_load_scene_does_not_modify_the_given_values() -> None:
     robot = {"model": "gritsbot", "l": 0.02, "K": 3.0, "limits": "model"}
     density = {"kind": "gaussian", "sigma": 0.12}
     keys = {"robot": robot, "behaviour.density": density, "behaviour.density.sigma": 0.2}
     assert load_scene("anger", keys).behaviour.density.sigma == 0.2
     assert density == {"kind": "gaussian", "sigma": 0.12}
-    # The second robot has its own limits, whatever scene was made of the same values before.
+    # The second robot has its own limits, although a scene was made from the same values before.
     keys |= {"start.min_spacing": None, "robots": 3}
     limits = [load_scene("anger", keys | {"robot.model": model}).robot.limits for model in ("gritsbot", "e_puck2")]
     assert [limit.wheel_max for limit in limits] == [None, 0.154]
 
 
-def test_keys_are_replaced_by_a_mapping_too_and_a_wrong_one_is_named() -> None:
+def test_load_scene_takes_a_mapping_and_names_unknown_keys() -> None:
     assert load_scene("anger", {"robot.l": 0.002, "video": {"fps": 5}}).video.fps == 5
     with pytest.raises(SourceError, match=r"^robot\.k: unknown key \(did you mean robot\.K\?\)$"):
         load_scene("anger", {"robot.k": 2})
@@ -375,14 +375,14 @@ OF_ITS_OWN = f"{SHORT}snapshots: [0, 5, 15]\n"
 @pytest.mark.parametrize(
     ("duration", "snapshots"), [(15, (0, 5, 15)), (20, (0, 5, 15)), (9, (0, 5, 9)), (5, (0, 5)), (0.5, (0, 0.5))]
 )
-def test_a_run_made_shorter_from_outside_ends_with_its_last_snapshot(duration, snapshots) -> None:
+def test_shorter_duration_by_option_drops_later_snapshots(duration, snapshots) -> None:
     scene = parse_scene(OF_ITS_OWN, "my.yaml", [Setting("duration", duration, "--set")])
     assert scene.snapshots == snapshots
     assert scene_digest(parse_scene(scene_text(scene), "resolved")) == scene_digest(scene)
 
 
-def test_a_snapshot_after_the_end_that_stands_beside_it_is_a_mistake() -> None:
-    def said(text: str, *settings: Setting) -> str:
+def test_snapshot_after_the_end_in_the_same_source_is_refused() -> None:
+    def refusal(text: str, *settings: Setting) -> str:
         with pytest.raises(SourceError) as caught:
             parse_scene(text, "my.yaml", settings)
         return str(caught.value)
@@ -390,12 +390,12 @@ def test_a_snapshot_after_the_end_that_stands_beside_it_is_a_mistake() -> None:
     shorter, late = Setting("duration", 4, "--set duration=4"), Setting("snapshots", [0, 16], "--set snapshots=[0, 16]")
     beyond = "expected at most the duration"
     wrong = OF_ITS_OWN.replace("15]", "16]")
-    assert said(wrong) == f"my.yaml:19: snapshots.2: 16: {beyond}, 15"
-    assert said(wrong, shorter) == f"my.yaml:19: snapshots.1: 5: {beyond}, 4"
-    assert said(SHORT, late) == f"--set snapshots=[0, 16]: snapshots.1: 16: {beyond}, 15"
-    assert said(OF_ITS_OWN, late, shorter) == f"--set snapshots=[0, 16]: snapshots.1: 16: {beyond}, 4"
+    assert refusal(wrong) == f"my.yaml:19: snapshots.2: 16: {beyond}, 15"
+    assert refusal(wrong, shorter) == f"my.yaml:19: snapshots.1: 5: {beyond}, 4"
+    assert refusal(SHORT, late) == f"--set snapshots=[0, 16]: snapshots.1: 16: {beyond}, 15"
+    assert refusal(OF_ITS_OWN, late, shorter) == f"--set snapshots=[0, 16]: snapshots.1: 16: {beyond}, 4"
     one = Setting("snapshots.1", 6, "--set snapshots.1=6")
-    assert said(OF_ITS_OWN, shorter, one) == f"--set snapshots.1=6: snapshots.1: 6: {beyond}, 4"
+    assert refusal(OF_ITS_OWN, shorter, one) == f"--set snapshots.1=6: snapshots.1: 6: {beyond}, 4"
 
 
 @pytest.mark.parametrize(
@@ -405,6 +405,6 @@ def test_a_snapshot_after_the_end_that_stands_beside_it_is_a_mistake() -> None:
      ("12", 10, "snapshots: 12: expected a list"), ("[0, 12]", -1, "duration: -1: expected more than 0"),
      ("[0, 12]", "short", "duration: 'short': expected a number")],
 )  # fmt: skip
-def test_a_shorter_run_hides_no_other_mistake(snapshots, duration, said) -> None:
+def test_shorter_duration_does_not_hide_other_errors(snapshots, duration, said) -> None:
     with pytest.raises(SourceError, match=rf"^\S+: {re.escape(said)}"):
         parse_scene(f"{SHORT}snapshots: {snapshots}\n", "my.yaml", [Setting("duration", duration, "--set")])

@@ -59,7 +59,7 @@ def test_numbers(text, number):
         "1280x720", "+", "-.", "0x", "١٥",
     ],
 )  # fmt: skip
-def test_text_stays_text(text):
+def test_quoted_and_plain_text_stays_text(text):
     assert value_of(text) == text
 
 
@@ -95,7 +95,7 @@ def test_an_invalid_single_value_names_the_option_without_a_line(text):
     assert caught.value.where == "--set x"
 
 
-# --- places ----------------------------------------------------------------------------------------------------------
+# --- lines -----------------------------------------------------------------------------------------------------------
 
 PLACED = """\
 # a comment
@@ -134,7 +134,7 @@ LINES = {
 
 
 @pytest.mark.parametrize("line_break", ["\n", "\r\n"])
-def test_places_are_file_and_line(line_break):
+def test_values_have_file_and_line(line_break):
     places = read_yaml(PLACED.replace("\n", line_break), "a/b.yaml")[1]
     assert places == {path: f"a/b.yaml:{line}" for path, line in LINES.items()}
 
@@ -159,7 +159,7 @@ def test_places_are_file_and_line(line_break):
         ("[" * 5000, "f.yaml: not a scene: nested too deeply"),
     ],
 )
-def test_refusals(text, message):
+def test_unsupported_yaml_is_refused(text, message):
     with pytest.raises(SourceError) as caught:
         read_yaml(text, "f.yaml")
     assert str(caught.value) == message
@@ -179,7 +179,7 @@ def test_anchors_are_refused_used_or_not(text):
         read_yaml(text, "f.yaml")
 
 
-def test_key_with_a_line_break_is_one_line():
+def test_key_with_a_line_break_gives_a_one_line_message():
     with pytest.raises(SourceError) as caught:
         parse_scene(SHIPPED["fear"] + '"a\\nb\\u2028c": 1\n', "f.yaml")
     assert len(str(caught.value).splitlines()) == 1
@@ -187,22 +187,22 @@ def test_key_with_a_line_break_is_one_line():
 
 
 @pytest.mark.parametrize("text", ['"\\U00110000": 1', 'a: "\\UFFFFFFFF"', f"%YAML {'9' * 5000}.1\n---\na: 1"])
-def test_numbers_that_python_cannot_take_are_no_yaml(text):
+def test_numbers_beyond_python_limits_are_refused(text):
     with pytest.raises(SourceError, match=r"^f\.yaml.*not YAML: "):
         read_yaml(text, "f.yaml")
 
 
-# --- whatever is given -----------------------------------------------------------------------------------------------
+# --- arbitrary input -------------------------------------------------------------------------------------------------
 
 PUNCTUATION = " \n\t:-#[]{}&*!|>'\"%@`,?\\~.=<ax01eEUu"
 
 
 @given(st.text() | st.text(alphabet=PUNCTUATION))
-@example('"\\ud800": 1')  # half a character
+@example('"\\ud800": 1')  # an unpaired surrogate
 @example("\ud800")
 @example("? ")
 @settings(max_examples=300)
-def test_any_text_is_a_scene_or_one_line(text):
+def test_any_text_gives_a_scene_or_a_one_line_error(text):
     assert_scene_or_one_line(text)
 
 
@@ -256,7 +256,7 @@ def edited_scenes(draw):
 
 @given(edited_scenes())
 @settings(max_examples=200)
-def test_any_edit_of_a_shipped_scene_is_a_scene_or_one_line(text):
+def test_any_edit_of_a_shipped_scene_gives_a_scene_or_a_one_line_error(text):
     assert_scene_or_one_line(text)
 
 
@@ -274,7 +274,7 @@ NESTED = st.recursive(
 
 @given(NESTED)
 @settings(max_examples=150)
-def test_any_data_is_a_scene_or_one_line(data):
+def test_any_data_gives_a_scene_or_a_one_line_error(data):
     assert_scene_or_one_line(yaml.safe_dump(data, allow_unicode=True))
 
 
@@ -284,19 +284,19 @@ def groups_in(data):
 
 @given(st.sampled_from(sorted(SHIPPED)), st.data(), NESTED)
 @settings(max_examples=150)
-def test_any_data_in_a_shipped_scene_is_a_scene_or_one_line(emotion, choice, odd):
+def test_any_data_in_a_shipped_scene_gives_a_scene_or_a_one_line_error(emotion, choice, odd):
     data = read_yaml(SHIPPED[emotion], "scene.yaml")[0]
     group = choice.draw(st.sampled_from(groups_in(data)))
     group[choice.draw(st.sampled_from(sorted(group)) | st.text(max_size=5))] = odd
     assert_scene_or_one_line(yaml.safe_dump(data, allow_unicode=True, sort_keys=False))
 
 
-def test_a_tab_may_stand_before_a_comment_at_a_line_s_end_and_between_words() -> None:
+def test_tabs_are_accepted_before_comments_at_line_ends_and_between_words() -> None:
     text = 'a: 1\t# one\nb:\t2\nc: "x"\t\n\t\nd: {e:\t1,\tf: 2}\t# both\n'
     assert read_yaml(text, "x")[0] == {"a": 1, "b": 2, "c": "x", "d": {"e": 1, "f": 2}}
 
 
 @pytest.mark.parametrize("text", ["a:\n\t- 1\n", "a:\n\tb: 1\n", "a:\n  -\tb: 1\n", "\ta: 1\n"])
-def test_a_tab_that_would_indent_is_named(text) -> None:
+def test_tab_as_indentation_is_named(text) -> None:
     with pytest.raises(SourceError, match=r"^x:\d: not YAML: a tab; expected spaces$"):
         read_yaml(text, "x")

@@ -13,7 +13,7 @@ EITHER_WAY = st.sampled_from([1, -1])
 
 
 def turned(corners, first, way):
-    """List the same corners from another one on, or the other way around."""
+    """Return the same corners from another start, optionally in reverse order."""
     return (corners[first:] + corners[:first])[::way]
 
 
@@ -26,7 +26,7 @@ def test_convex_corners_are_accepted_in_any_order_around(corners, first, way):
 
 
 @given(convex_corners(), st.integers(0, 8), EITHER_WAY)
-def test_an_outline_is_one_however_its_corners_are_listed(corners, first, way):
+def test_outline_is_independent_of_first_corner_and_direction(corners, first, way):
     outline = outline_of(turned(corners, first, way))
     assert outline == outline_of(corners)
     assert outline[0] == min(corners)
@@ -35,7 +35,7 @@ def test_an_outline_is_one_however_its_corners_are_listed(corners, first, way):
 
 
 @given(convex_corners(), st.integers(0, 8), EITHER_WAY)
-def test_a_dent_is_named(corners, before, way):
+def test_concave_corner_is_named(corners, before, way):
     i = before % len(corners)
     dent = tuple(0.9 * np.mean(corners, axis=0) + 0.1 * np.array(corners[i]))
     dented = [*corners[: i + 1], dent, *corners[i + 1 :]][::way]
@@ -52,7 +52,7 @@ def test_a_corner_on_an_edge_is_named(corners, before, share):
     assert first_fault(corners) == (i + 1, "on the line between the corners beside it: expected corners only")
 
 
-def test_a_star_is_not_convex_though_it_turns_one_way():
+def test_star_with_constant_turning_direction_is_not_convex():
     star = [(np.sin(0.8 * np.pi * k), np.cos(0.8 * np.pi * k)) for k in range(5)]
     assert "not convex here" in first_fault(star)[1]
 
@@ -71,7 +71,7 @@ def test_edges_are_unit_normals_to_the_lines_through_two_corners(corners):
 
 
 @pytest.mark.parametrize("stage", [Rectangle(width=1.2, height=0.8), polygon(BOX), polygon(BOX[2:] + BOX[:2])])
-def test_edges_of_a_rectangle_are_right_left_top_bottom_to_the_last_digit(stage):
+def test_rectangle_edges_are_exactly_right_left_top_bottom(stage):
     assert stage.edges == ((1, 0, 0.6), (-1, 0, 0.6), (0, 1, 0.4), (0, -1, 0.4))
     assert stage.outline == tuple(BOX)
     assert stage.inradius == 0.4
@@ -82,23 +82,23 @@ def test_inradius_by_hand():
     assert inradius_of([(0, 0), (4, 0), (0, 3)]) == pytest.approx(1, rel=1e-12)  # 3-4-5
     assert inradius_of(HEXAGON) == pytest.approx(0.6 * np.sqrt(3) / 2, rel=1e-12)
     assert inradius_of([(0, 0), (2, 1), (2, 2), (0, 1)]) == pytest.approx(1 / np.sqrt(5), rel=1e-12)  # between lines
-    # The circle of the triangle that the long edges make: the small one cut off the tip does not count.
+    # The inradius of the triangle of the long edges: the small edge that cuts off the tip has no effect.
     assert inradius_of([(0, 0), (3.9, 0), (3.9, 0.075), (0, 3)]) == pytest.approx(1, rel=1e-12)
 
 
 @given(convex_corners(narrowest=1e-4))
-def test_inradius_is_that_of_linear_programming(corners):
+def test_inradius_agrees_with_linear_programming(corners):
     edges = np.array(edges_of(outline_of(corners)))
-    # The largest r with n p + r <= offset for every edge: the Chebyshev centre.
+    # The largest r with n p + r <= offset forevery edge: the Chebyshev center.
     best = linprog([0, 0, -1], np.column_stack([edges[:, :2], np.ones(len(edges))]), edges[:, 2], bounds=(None, None))
     assert inradius_of(outline_of(corners)) == pytest.approx(-best.fun, rel=1e-6, abs=1e-9)
 
 
-def test_a_needle_has_a_tiny_circle():
+def test_needle_has_a_tiny_inradius():
     assert 0 < inradius_of([(-100, 0), (100, -1e-5), (100, 1e-5)]) < 1e-5
 
 
-def test_room_by_hand():
+def test_distance_to_the_edges_by_hand():
     hexagon = polygon(HEXAGON)
     apothem = 0.6 * np.sqrt(3) / 2
     assert hexagon.room(0, 0) == pytest.approx(apothem)
@@ -131,7 +131,7 @@ def test_the_text_of_a_polygon_keeps_every_digit(corners):
     assert again.stage.outline == outline_of(corners)
 
 
-def test_a_resolved_stage_has_the_keys_of_its_form_only():
+def test_resolved_stage_has_only_the_keys_of_its_kind():
     assert load_scene("anger").resolved()["stage"] == {"width": 1.2, "height": 0.8}
     assert with_stage(TRIANGLE).resolved()["stage"].keys() == {"corners"}
 

@@ -25,7 +25,7 @@ SPACING = {"gritsbot_x": 0.17, "e_puck2": 0.075, "turtlebot3_burger": 0.29, "cra
 
 
 def crowd(model: str = "gritsbot_x", robots: int = 12, **keys: object) -> Scene:
-    """Return a scene of robots on a stage that is narrow for them, with a barrier."""
+    """Return a scene with many robots on a narrow stage, with a barrier."""
     width, height = ROOM[model]
     given = {
         "behaviour": {"law": "coverage", "kappa": 2, "density": {"kind": "gaussian", "sigma": 0.2}},
@@ -43,7 +43,7 @@ def crowd(model: str = "gritsbot_x", robots: int = 12, **keys: object) -> Scene:
 
 @dataclass
 class Driven:
-    """A crowd under wild commands: least distances [m] of discs beyond D and to the walls beyond D / 2."""
+    """A crowd under random commands: the smallest margins [m] of the disks over D, and over D / 2 from the walls."""
 
     apart: float
     walls: float
@@ -75,7 +75,7 @@ def drive(scene: Scene, seed: int, periods: int = 60, hold: int = 7) -> Driven:
 @pytest.mark.parametrize("model", list(ROOM))
 @given(seed=SEED)
 @settings(max_examples=3)
-def test_bodies_keep_their_distance_whatever_is_commanded(model: str, seed: int) -> None:
+def test_bodies_keep_their_distance_under_any_commands(model: str, seed: int) -> None:
     scene = crowd(model)
     driven = drive(scene, seed)
     assert min(driven.apart, driven.walls) >= -1e-9
@@ -92,13 +92,13 @@ def test_distance_holds_between_samples_too(period: float, gamma: float) -> None
 
 @given(seed=SEED)
 @settings(max_examples=8)
-def test_commands_stay_within_the_motors(seed: int) -> None:
+def test_commands_stay_within_the_motor_limits(seed: int) -> None:
     for done in drive(crowd(), seed, periods=20).periods:
         v, omega = np.abs(done.commands).T
         assert (v + 0.105 / 2 * omega).max() <= 0.2 * (1 + 1e-9)
 
 
-def test_a_command_that_is_safe_is_not_touched():
+def test_safe_commands_are_not_changed():
     scene = crowd(robots=2, stage={"width": 4.0, "height": 4.0})
     poses = np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, np.pi]])
     commands = np.array([[0.2, 0.0], [0.1, 1.0]])
@@ -108,7 +108,7 @@ def test_a_command_that_is_safe_is_not_touched():
     assert np.array_equal(done.headings, poses[:, 2])
 
 
-def test_head_on_both_slow_down_to_the_certified_speed():
+def test_robots_driving_head_on_slow_to_the_certified_speed():
     scene = crowd(robots=2, **{"stage": {"width": 4.0, "height": 4.0}, "safety.spacing": 0.2, "safety.gamma": 5.0})
     gap, ahead = 0.02, scene.robot.body.disc[0]
     x = (0.2 + gap) / 2 + ahead
@@ -131,8 +131,8 @@ def test_one_robot_stops_at_a_wall():
 
 @given(seed=SEED)
 @settings(max_examples=10)
-def test_the_change_is_the_least_by_an_independent_solver(seed: int) -> None:
-    # Two robots and a wall, written out anew: the least change of the wheels' speeds with all conditions at once.
+def test_change_of_commands_is_minimal_by_an_independent_solver(seed: int) -> None:
+    # Two robots and a wall, written independently: the smallest change of wheel speeds under all constraints.
     rng = np.random.default_rng(seed)
     scene = crowd(robots=2, **{"safety.spacing": 0.16, "safety.gamma": 5.0})
     a, c, gamma, wheel_max = scene.robot.body.disc[0], 0.105 / 2, 5.0, 0.2
@@ -169,7 +169,7 @@ def test_the_change_is_the_least_by_an_independent_solver(seed: int) -> None:
     assert (done.commands.ravel() - other.x) * [1, c, 1, c] == pytest.approx(0, abs=1e-4)
 
 
-def test_robots_too_near_part():
+def test_robots_that_start_too_close_move_apart():
     scene = crowd(robots=2, **{"stage": {"width": 4.0, "height": 4.0}, "safety.spacing": 0.23})
     poses = np.array([[-0.1, 0.0, 0.0], [0.1, 0.0, 0.3]])
     done = certified(poses, np.zeros((2, 2)), STEP, scene.robot, scene.stage, scene.safety)
@@ -182,12 +182,12 @@ def test_robots_too_near_part():
 PACKED = {
     "robots": 2,
     "start": {"place": "poses", "poses": [{"x": -0.1, "y": 0}, {"x": 0.1, "y": 0, "heading": 0.4}]},
-    "safety.spacing": 1.2,  # on a stage of 1.3 m x 1 m: whatever they do, walls or the other are too near
+    "safety.spacing": 1.2,  # on a stage of 1.3 m x 1 m: every command leads too close to a wall or to the other robot
     "duration": 1,
 }
 
 
-def test_without_a_solution_it_says_so_once_and_nobody_comes_nearer():
+def test_infeasible_program_is_reported_once_and_robots_come_no_closer():
     scene = crowd(**PACKED)
     with pytest.warns(RuntimeWarning, match=r"^the barrier has no solution at 0 s: robots 1, 2 are nearer") as said:
         run = simulate(scene)
@@ -198,7 +198,7 @@ def test_without_a_solution_it_says_so_once_and_nobody_comes_nearer():
     assert closest_approach(run, ahead) >= np.hypot(*(middles[1] - middles[0])) - 1e-6
 
 
-def test_simulation_records_what_the_barrier_did():
+def test_simulation_records_the_changes_of_the_barrier():
     quiet = simulate(crowd(duration=1, safety="none"))
     assert quiet.bend is None
     assert quiet.relaxed is None
@@ -210,7 +210,7 @@ def test_simulation_records_what_the_barrier_did():
     assert closest_approach(run, run.scene.robot.body.disc[0]) >= spacing_of(run.scene.safety, run.scene.robot) - 1e-6
 
 
-def test_a_barrier_of_its_own_period_leaves_the_held_command():
+def test_barrier_with_a_shorter_period_keeps_the_held_command():
     # Far from everything: solved ten times in a control period, it changes no motion.
     keys = {"robots": 1, "duration": 2, "control_period": 0.33, "stage": {"width": 4.0, "height": 4.0}}
     own, whole = (
@@ -222,9 +222,12 @@ def test_a_barrier_of_its_own_period_leaves_the_held_command():
     assert np.abs(own.at(times)[..., :2] - whole.at(times)[..., :2]).max() < 1e-12
 
 
-def test_a_robot_that_faces_anywhere_takes_up_its_course_again_once_nothing_is_in_the_way() -> None:
+def test_omnidirectional_robot_resumes_its_course_after_an_obstacle() -> None:
     scene = crowd("crazyflie", robots=8, control_period=1.0, duration=10)
-    run, held = simulate(scene), scene.steps_held  # what robots want is up to 1 s old, and others pass meanwhile
+    run, held = (
+        simulate(scene),
+        scene.steps_held,
+    )  # desired velocities are up to 1 s old, and other robots pass in the meantime
     assert run.bend is not None
     back = 0
     for start in range(0, len(run.commands), held):

@@ -17,7 +17,7 @@ SEED = st.integers(0, 2**32 - 1)
 
 
 def swarm(seed: int, robots: int = 20) -> tuple[np.ndarray, np.ndarray]:
-    """Return random poses on the stage, many at its edge, and wild commands."""
+    """Return random poses on the stage, many at its edge, and random commands."""
     rng = np.random.default_rng(seed)
     half = np.array([0.6, 0.4]) - RADIUS
     points = np.clip(rng.uniform(-1.3, 1.3, (robots, 2)) * half, -half, half)
@@ -26,7 +26,7 @@ def swarm(seed: int, robots: int = 20) -> tuple[np.ndarray, np.ndarray]:
 
 
 def path(poses: np.ndarray, commands: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Return the centres (instants, N, 2) along the arcs of the cut commands."""
+    """Return the centers (times, N, 2) along the arcs of the shortened commands."""
     cut = commands * np.stack([share, np.ones_like(share)], axis=-1)
     return np.stack([move(poses, cut, t)[:, :2] for t in np.linspace(0, SECONDS, 501)])
 
@@ -50,12 +50,12 @@ def test_bodies_stay_on_the_stage_throughout(seed: int) -> None:
 
 
 @given(SEED)
-def test_no_more_is_cut_than_must_be(seed: int) -> None:
+def test_commands_are_shortened_no_more_than_necessary(seed: int) -> None:
     poses, commands = swarm(seed)
     share = share_on_stage(poses, commands, SECONDS, STAGE, RADIUS)
     centres = path(poses, commands, share)
     room = (np.array([0.6, 0.4]) - RADIUS - np.abs(centres)).min(axis=(0, 2))
-    # A command that was cut takes its body to the edge, to within the sampling of the arc.
+    # A shortened command moves its body to the edge, within the sampling of the arc.
     assert (room[share < 1] < 4e-3).all()
     free = (np.abs(path(poses, commands, np.ones(len(poses)))) < np.array([0.6, 0.4]) - RADIUS).all(axis=(0, 2))
     assert (share[free] == 1).all()
@@ -67,8 +67,8 @@ def test_a_robot_at_the_edge_may_drive_away_and_backwards() -> None:
     assert share_on_stage(poses, commands, SECONDS, STAGE, RADIUS) == pytest.approx([0, 1, 1, 1])
 
 
-def test_half_of_a_command_fits_by_hand() -> None:
-    # 25 mm at 0.1 m/s in 0.25 s, and 12.5 mm of room.
+def test_shortened_command_by_hand() -> None:
+    # 25 mm at 0.1 m/s in 0.25 s, and 12.5 mm are free.
     pose, command = np.array([[0.58 - 0.0125, 0.0, 0.0]]), np.array([[0.1, 0.0]])
     assert share_on_stage(pose, command, SECONDS, STAGE, RADIUS) == pytest.approx([0.5])
 
@@ -85,13 +85,13 @@ def test_bodies_stay_apart_throughout(seed: int, clearance: float) -> None:
     assert apart.min() >= 2 * RADIUS + clearance - 1e-9
 
 
-def test_two_robots_that_drive_at_each_other_share_the_room() -> None:
+def test_robots_driving_at_each_other_share_the_free_distance() -> None:
     poses = np.array([[-0.05, 0, 0], [0.05, 0, np.pi]])
     commands = np.array([[0.2, 0.0], [0.2, 0.0]])  # 50 mm each; to the border, less body and half the clearance, 28 mm
     assert share_apart(poses, commands, SECONDS, RADIUS, 0.004) == pytest.approx([0.56, 0.56])
 
 
-def test_robots_out_of_reach_are_not_cut() -> None:
+def test_distant_robots_are_not_slowed_down() -> None:
     poses = np.array([[-0.5, 0, 0], [0.5, 0, np.pi]])
     assert share_apart(poses, np.array([[0.2, 0.0], [0.2, 0.0]]), SECONDS, RADIUS, 0.004) == pytest.approx([1, 1])
     assert share_apart(poses[:1], np.array([[0.2, 0.0]]), SECONDS, RADIUS, 0.004) == pytest.approx([1])
@@ -101,11 +101,11 @@ def test_robots_out_of_reach_are_not_cut() -> None:
 
 
 def swarm_on(stage: Polygon, seed: int, robots: int = 20) -> tuple[np.ndarray, np.ndarray]:
-    """Return random poses on the stage, many at its edge, and wild commands."""
+    """Return random poses on the stage, many at its edge, and random commands."""
     commands = swarm(seed, robots)[1]
     rng = np.random.default_rng(seed)
     normals, offsets = np.split(np.array(stage.edges), [2], axis=1)
-    # A linear program's largest circle: where a body surely fits.
+    # The largest circle by linear programming: a body fits there.
     best = linprog([0, 0, -1], np.column_stack([normals, np.ones(len(normals))]), offsets, bounds=(None, None))
     angle = rng.uniform(-np.pi, np.pi, robots)
     ray = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
@@ -123,32 +123,34 @@ def test_bodies_stay_on_a_stage_of_any_shape_throughout(corners: list[tuple[floa
     poses, commands = swarm_on(stage, seed)
     share = share_on_stage(poses, commands, SECONDS, stage, RADIUS)
     centres = path(poses, commands, share)
-    # An independent measure: how far a centre is to the left of each edge, from corner to corner.
+    # An independent measure: the distance of a center to the left of each edge.
     ring = np.array(corners)
     along = np.roll(ring, -1, axis=0) - ring
     to_centre = centres[..., None, :] - ring
     left = (along[:, 0] * to_centre[..., 1] - along[:, 1] * to_centre[..., 0]) / np.hypot(*along.T)
     room = left.min(axis=(0, 2)) - RADIUS
     assert (room >= -1e-9).all()
-    assert (room[share < 1] < 4e-3).all()  # and no more is cut than must be, to within the sampling of the arc
+    assert (
+        room[share < 1] < 4e-3
+    ).all()  # and commands are shortened no more than necessary, within the sampling of the arc
 
 
 @given(SEED)
-def test_a_rectangle_by_its_corners_cuts_the_same_to_the_last_digit(seed: int) -> None:
+def test_rectangle_given_by_corners_shortens_commands_identically(seed: int) -> None:
     poses, commands = swarm(seed)
     by_corners = polygon([(0.6, 0.4), (0.6, -0.4), (-0.6, -0.4), (-0.6, 0.4)])
     expected = share_on_stage(poses, commands, SECONDS, STAGE, RADIUS)
     assert np.array_equal(share_on_stage(poses, commands, SECONDS, by_corners, RADIUS), expected)
 
 
-def test_room_on_a_hexagon_by_hand() -> None:
+def test_clearance_on_a_hexagon_by_hand() -> None:
     apothem = 0.6 * np.sqrt(3) / 2
     room = room_on_stage(np.array([[0.0, 0.0], [0.0, -0.5], [0.6, 0.0], [0.0, 1.0]]), polygon(HEXAGON))
     assert room == pytest.approx([apothem, apothem - 0.5, 0, apothem - 1], abs=1e-12)
 
 
 @given(convex_corners(), SEED)
-def test_edges_out_of_reach_may_be_left_out(corners: list[tuple[float, float]], seed: int) -> None:
+def test_distant_edges_do_not_affect_the_result(corners: list[tuple[float, float]], seed: int) -> None:
     stage = polygon(corners)
     assume(stage.inradius > RADIUS + 1e-3)
     poses, commands = swarm_on(stage, seed)

@@ -24,7 +24,7 @@ def random_points(robots: int, seed: int) -> np.ndarray:
 
 @pytest.mark.parametrize("robots", [1, 2, 4, 15])
 @pytest.mark.parametrize("emotion", ["disgust", "anger"])
-def test_centroids_of_the_shipped_densities_are_those_of_dblquad(emotion: str, robots: int) -> None:
+def test_centroids_of_the_shipped_densities_agree_with_dblquad(emotion: str, robots: int) -> None:
     law = load_scene(emotion).behaviour
     assert isinstance(law, Coverage)
     density = density_of(law.density, STAGE)
@@ -49,7 +49,7 @@ def test_uniform_centroids_are_exact(robots: int) -> None:
 
 
 @pytest.mark.parametrize("sigma", [0.01, 0.03, 0.12, 0.5, 5.0])
-def test_gaussian_over_the_stage_has_its_closed_form(sigma: float) -> None:
+def test_gaussian_over_the_stage_matches_its_closed_form(sigma: float) -> None:
     # Split at x = 0: each half's mass and mean are one-dimensional integrals of a Gaussian.
     density = density_of(Gaussian(kind="gaussian", sigma=sigma), STAGE)
     mass, centroid = mass_and_centroid(np.array([[0.3, 0.0], [-0.3, 0.0]]), corners_of(STAGE), density)
@@ -61,7 +61,7 @@ def test_gaussian_over_the_stage_has_its_closed_form(sigma: float) -> None:
     assert centroid == pytest.approx(np.array([[mean, 0], [-mean, 0]]), abs=TOLERANCE)
 
 
-def test_a_cell_far_out_in_the_tail_keeps_an_exact_centroid() -> None:
+def test_cell_far_in_the_tail_has_an_exact_centroid() -> None:
     # Beyond x = 0.55, 11 standard deviations out: mass 1e-27, mean just inside the cell's edge.
     density = density_of(Gaussian(kind="gaussian", sigma=0.05), STAGE)
     points = np.array([[0.58, 0.0], [0.52, 0.0]])
@@ -75,7 +75,7 @@ def test_densities_by_hand() -> None:
     assert density_of(GAUSSIAN, STAGE).phi(x, y) == pytest.approx([1, np.exp(-0.5), np.exp(-0.5 * (0.54 / 0.11) ** 2)])
     ridge = density_of(BOUNDARY, STAGE).phi(x, y)
     assert ridge[2] == pytest.approx(1, abs=1e-6)  # on the crest: 60 mm inside the edge
-    assert ridge[0] < 1e-6  # the centre is far from every edge
+    assert ridge[0] < 1e-6  # the center is far from every edge
     assert np.all(density_of(UNIFORM, STAGE).phi(x, y) == 1)
 
 
@@ -85,7 +85,7 @@ def test_a_corner_is_as_dense_as_an_edge() -> None:
 
 
 def test_ridges_of_a_hexagon_by_hand() -> None:
-    # Of a regular hexagon about the origin: at its centre all six edges are an apothem away, at the middle of an edge
+    # Of a regular hexagon about the origin: at its center all six edges are an apothem away, at the middle of an edge
     # they are 0, 1/2, 1/2, 3/2, 3/2 and 2 apothems away.
     apothem = 0.6 * np.sqrt(3) / 2
     phi = density_of(Boundary(kind="boundary", width=0.2, inset=0.1), polygon(HEXAGON)).phi
@@ -102,13 +102,13 @@ def law(**keys: object) -> Coverage:
     return Coverage(law="coverage", **{"kappa": 2.0, "density": UNIFORM, **keys})  # type: ignore[arg-type]
 
 
-def test_robots_head_for_their_centroids() -> None:
+def test_robots_move_toward_their_centroids() -> None:
     u = coverage_velocity(law(), STAGE, np.array([[0.0, 0.0], [0.4, 0.0]]))
-    # The border is x = 0.2: cells centred on -0.2 and 0.4.
+    # The border is x = 0.2: cells centerd on -0.2 and 0.4.
     assert u == pytest.approx(np.array([[-0.4, 0.0], [0.0, 0.0]]), abs=1e-12)
 
 
-def test_the_cap_keeps_the_direction() -> None:
+def test_speed_limit_keeps_the_direction() -> None:
     points = random_points(15, 3)
     free, capped = coverage_velocity(law(), STAGE, points), coverage_velocity(law(u_max=0.05), STAGE, points)
     speed = np.hypot(*free.T)
@@ -116,14 +116,14 @@ def test_the_cap_keeps_the_direction() -> None:
     assert free[:, 0] * capped[:, 1] == pytest.approx(free[:, 1] * capped[:, 0], abs=1e-15)
 
 
-def test_a_cell_without_mass_leaves_its_robot_where_it_is() -> None:
+def test_robot_with_a_massless_cell_stays() -> None:
     points = np.array([[0.59, 0.39], [0.0, 0.0]])
     u = coverage_velocity(law(density=Gaussian(kind="gaussian", sigma=0.008)), STAGE, points)
     assert np.array_equal(u[0], [0.0, 0.0])
     assert np.isfinite(u).all()
 
 
-def test_centroidal_configurations_stay() -> None:
+def test_centroidal_configurations_are_stationary() -> None:
     # A 3 x 2 lattice of equal cells is a centroidal Voronoi configuration of the uniform density.
     lattice = np.array([[x, y] for x in (-0.4, 0.0, 0.4) for y in (-0.2, 0.2)])
     assert coverage_velocity(law(), STAGE, lattice) == pytest.approx(np.zeros((6, 2)), abs=1e-12)

@@ -5,7 +5,7 @@ from emovid import simulate, to_dataframe
 from emovid.swarm.files import save_trajectory
 
 
-def test_a_table_has_a_row_for_each_sample_and_robot(make_scene) -> None:
+def test_dataframe_has_a_row_for_each_sample_and_robot(make_scene) -> None:
     run = simulate(make_scene("fear", {"duration": 1.1, "robots": 4}))
     table = to_dataframe(run)
     assert list(table.columns) == ["time", "robot", "x", "y", "heading", "v", "omega"]
@@ -20,7 +20,7 @@ def test_a_table_has_a_row_for_each_sample_and_robot(make_scene) -> None:
             assert rows[["v", "omega"]].isna().all(axis=None)
 
 
-def test_each_robot_s_commands_lead_from_pose_to_pose(make_scene) -> None:
+def test_commands_in_the_dataframe_lead_from_pose_to_pose(make_scene) -> None:
     table = to_dataframe(simulate(make_scene("happiness", {"duration": 2.0})))
     for _, rows in table.groupby("robot"):
         seconds = rows["time"].diff().shift(-1)
@@ -29,7 +29,7 @@ def test_each_robot_s_commands_lead_from_pose_to_pose(make_scene) -> None:
         assert np.allclose(np.exp(1j * turned), np.exp(1j * change))
 
 
-def test_a_table_is_the_csv(make_scene, tmp_path) -> None:
+def test_dataframe_equals_the_csv(make_scene, tmp_path) -> None:
     run = simulate(make_scene("sadness", {"duration": 1.0}))
     save_trajectory(run, tmp_path / "run.csv")
     written = pd.read_csv(tmp_path / "run.csv")

@@ -12,7 +12,7 @@ HALF = np.array([0.6, 0.4])  # of the shipped stages [m]
 
 
 def phi(tmp_path: Path, density: dict, points: np.ndarray) -> np.ndarray:
-    """Return a density on fear's stage, 1.2 m x 0.8 m, at points (..., 2) [m]."""
+    """Return a density on the stage of fear, 1.2 m x 0.8 m, at points (..., 2) [m]."""
     scene = load_scene("fear", [Setting("behaviour.density", located(tmp_path, density), "test")])
     return density_of(scene.behaviour.density, scene.stage).phi(points[..., 0], points[..., 1])
 
@@ -28,7 +28,7 @@ def located(tmp_path: Path, density: dict) -> dict:
 
 
 def picture(folder: Path, dark: np.ndarray) -> dict:
-    """Write a picture (rows, columns) of darkness from 0 to 1, and return the density that it is."""
+    """Write a picture (rows, columns) of darkness from 0 to 1, and return its density keys."""
     Image.fromarray(np.round(255 * (1 - dark)).astype(np.uint8)).save(folder / "map.png")
     return {"kind": "image", "file": "map.png", "smoothing": 0.05}
 
@@ -38,7 +38,7 @@ def grid(count: int = 23) -> np.ndarray:
     return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
 
 
-def test_a_black_picture_is_one_everywhere_up_to_the_corners(tmp_path) -> None:
+def test_black_picture_gives_density_one_up_to_the_corners(tmp_path) -> None:
     assert phi(tmp_path, picture(tmp_path, np.ones((3, 5))), grid()) == pytest.approx(1, abs=1e-6)
 
 
@@ -49,7 +49,7 @@ def test_an_edge_in_a_picture_is_smoothed_by_a_gaussian(tmp_path) -> None:
     assert phi(tmp_path, picture(tmp_path, dark), points) == pytest.approx(ndtr(-points[..., 0] / 0.05), abs=0.025)
 
 
-def test_a_picture_s_top_is_the_stage_s_top_and_its_left_the_left(tmp_path) -> None:
+def test_picture_is_oriented_like_the_stage(tmp_path) -> None:
     dark = np.zeros((80, 120))
     dark[:20, 90:] = 1.0
     corners = np.array([[-0.55, -0.35], [0.55, -0.35], [0.55, 0.35], [-0.55, 0.35]])
@@ -58,10 +58,10 @@ def test_a_picture_s_top_is_the_stage_s_top_and_its_left_the_left(tmp_path) -> N
     assert found[[0, 1, 3]].max() < 1e-6
 
 
-def test_a_picture_of_any_size_is_the_same_density(tmp_path) -> None:
+def test_density_is_independent_of_picture_resolution(tmp_path) -> None:
     x, y = np.meshgrid(np.linspace(-0.595, 0.595, 120), np.linspace(0.395, -0.395, 80))
     dark = 0.5 + 0.4 * np.sin(3 * x) * np.cos(4 * y)
-    points = grid() * 0.6  # beyond the edges the picture does not go on as the formula does
+    points = grid() * 0.6  # the formula does not hold outside the picture
     small = phi(tmp_path, picture(tmp_path, dark), points)
     large = phi(tmp_path, picture(tmp_path, np.kron(dark, np.ones((7, 7)))), points)
     assert large == pytest.approx(small, abs=0.004)
@@ -78,7 +78,7 @@ def test_a_sum_is_the_weighted_sum_of_its_parts(tmp_path) -> None:
     assert phi(tmp_path, {"kind": "sum", "parts": parts}, grid()) == pytest.approx(expected, rel=1e-12)
 
 
-def test_the_scale_of_a_sum_is_its_finest_part_s(tmp_path) -> None:
+def test_length_scale_of_a_sum_is_that_of_its_finest_part(tmp_path) -> None:
     parts = [{"density": {"kind": "uniform"}}, {"density": {"kind": "gaussian", "sigma": 0.1}},
              {"density": {"kind": "boundary", "width": 0.03}}]  # fmt: skip
     scene = load_scene("fear", [Setting("behaviour.density", {"kind": "sum", "parts": parts}, "test")])

@@ -20,7 +20,7 @@ def run(make_scene) -> Trajectory:
     return simulate(make_scene("disgust", {"duration": 2, "control_period": 0.25}))
 
 
-def test_npz_holds_what_it_promises(run, tmp_path) -> None:
+def test_npz_has_the_documented_arrays(run, tmp_path) -> None:
     save_trajectory(run, tmp_path / "run.npz")
     with np.load(tmp_path / "run.npz") as arrays:
         assert arrays["t"].shape == (9,)
@@ -29,7 +29,7 @@ def test_npz_holds_what_it_promises(run, tmp_path) -> None:
         assert "emotion: disgust" in str(arrays["scene"])
 
 
-def test_a_run_comes_back_as_it_went(run, tmp_path) -> None:
+def test_saved_run_loads_unchanged(run, tmp_path) -> None:
     save_trajectory(run, tmp_path / "run.npz")
     back = load_trajectory(tmp_path / "run.npz")
     assert back.digest() == run.digest()
@@ -38,7 +38,7 @@ def test_a_run_comes_back_as_it_went(run, tmp_path) -> None:
     assert np.array_equal(back.separation_cut, run.separation_cut)
 
 
-def test_equal_runs_are_equal_files(run, tmp_path) -> None:
+def test_equal_runs_give_identical_files(run, tmp_path) -> None:
     for name in ("a.npz", "b.npz"):
         save_trajectory(run, tmp_path / name)
     assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
@@ -58,7 +58,7 @@ def test_csv_has_a_row_for_each_sample_and_robot(run, tmp_path) -> None:
     assert [int(row["robot"]) for row in rows[:15]] == list(range(1, 16))
 
 
-def test_the_look_of_a_finished_run_can_change_but_not_its_motion(run, tmp_path) -> None:
+def test_video_keys_of_a_saved_run_can_change_but_not_its_motion(run, tmp_path) -> None:
     save_trajectory(run, tmp_path / "run.npz")
     changed = load_trajectory(tmp_path / "run.npz", [Setting("video.fps", 60, "--fps 60")])
     assert changed.scene.video.fps == 60
@@ -73,14 +73,14 @@ def npy() -> bytes:
 
 
 @pytest.mark.parametrize("content", [b"", b"no archive", b"PK\x03\x04 broken", npy()])
-def test_a_file_that_is_no_run_is_refused(tmp_path, content) -> None:
+def test_file_that_is_not_a_run_is_refused(tmp_path, content) -> None:
     (tmp_path / "x.npz").write_bytes(content)
     with pytest.raises(InputError, match="not a run"):
         load_trajectory(tmp_path / "x.npz")
 
 
 @given(st.lists(st.tuples(st.integers(0, 10_000), st.integers(0, 255)), min_size=1, max_size=3))
-def test_a_spoilt_run_is_whole_or_refused(run, tmp_path_factory, changes) -> None:
+def test_damaged_run_loads_completely_or_is_refused(run, tmp_path_factory, changes) -> None:
     file = tmp_path_factory.getbasetemp() / "spoilt.npz"
     save_trajectory(run, file)
     content = bytearray(file.read_bytes())
@@ -106,13 +106,13 @@ def test_a_spoilt_run_is_whole_or_refused(run, tmp_path_factory, changes) -> Non
         ("t", lambda t: t[::-1], "the times in t do not rise"),
     ],
 )
-def test_a_run_of_what_are_no_numbers_is_refused(run, tmp_path, name, change, message) -> None:
+def test_run_with_nonfinite_values_is_refused(run, tmp_path, name, change, message) -> None:
     save_trajectory(replace(run, **{name: change(getattr(run, name))}), tmp_path / "run.npz")
     with pytest.raises(InputError, match=f"run.npz: not a run: {message}"):
         load_trajectory(tmp_path / "run.npz")
 
 
-def test_a_run_of_other_shapes_is_refused(run, tmp_path) -> None:
+def test_run_with_wrong_array_shapes_is_refused(run, tmp_path) -> None:
     save_trajectory(run, tmp_path / "run.npz")
     with np.load(tmp_path / "run.npz") as arrays:
         kept = {name: arrays[name] for name in arrays}
@@ -140,7 +140,7 @@ def test_a_missing_run_and_a_missing_folder_are_named(run, tmp_path) -> None:
         save_trajectory(run, tmp_path / "none" / "run.npz")
 
 
-def test_a_look_that_cannot_be_is_refused_by_its_own_name(run, tmp_path) -> None:
+def test_invalid_video_option_is_named(run, tmp_path) -> None:
     save_trajectory(run, tmp_path / "run.npz")
     with pytest.raises(InputError, match=r"^--fps 0: video\.fps: 0: expected at least 1$"):
         load_trajectory(tmp_path / "run.npz", [Setting("video.fps", 0, "--fps 0")])

@@ -23,15 +23,15 @@ def random_points(robots: int, seed: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("place", [(0.0, 0.0), (0.2, -0.1), (0.6, 0.4)])
-def test_the_cost_of_a_lone_robot_is_the_stage_s_polar_moment(place: tuple[float, float]) -> None:
-    # Of a rectangle about its centre, A (w^2 + h^2) / 12; about another point, A d^2 more (parallel axis theorem).
+def test_cost_of_one_robot_is_the_polar_moment_of_the_stage(place: tuple[float, float]) -> None:
+    # Of a rectangle about its center, A (w^2 + h^2) / 12; about another point, plus A d^2 (parallel axis theorem).
     x, y = place
     expected = 0.96 * ((1.2**2 + 0.8**2) / 12 + x**2 + y**2)
     assert locational_cost(np.array([place]), CORNERS, DENSITIES["uniform"]) == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["gaussian", "boundary"])
-def test_the_cost_is_that_of_dblquad(kind: str) -> None:
+def test_cost_agrees_with_dblquad(kind: str) -> None:
     # Two robots share the stage at x = 0.
     phi = DENSITIES[kind].phi
 
@@ -45,7 +45,7 @@ def test_the_cost_is_that_of_dblquad(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", DENSITIES)
 @given(seed=st.integers(0, 10_000), robots=st.integers(1, 20), step=st.floats(0.01, 1.0))
-def test_a_step_towards_the_centroids_never_raises_the_cost(kind: str, seed: int, robots: int, step: float) -> None:
+def test_a_step_toward_the_centroids_never_raises_the_cost(kind: str, seed: int, robots: int, step: float) -> None:
     points = random_points(robots, seed)
     before = locational_cost(points, CORNERS, DENSITIES[kind])
     for _ in range(3):
@@ -63,7 +63,7 @@ def test_a_step_away_from_the_centroids_raises_it() -> None:
 
 @pytest.mark.parametrize("kind", DENSITIES)
 @pytest.mark.parametrize("robots", [1, 2, 10_000])
-def test_the_masses_of_the_cells_add_up_to_the_stage_s(kind: str, robots: int) -> None:
+def test_cell_masses_add_up_to_the_mass_of_the_stage(kind: str, robots: int) -> None:
     whole = mass_and_centroid(np.zeros((1, 2)), CORNERS, DENSITIES[kind])[0][0]
     mass, _ = mass_and_centroid(random_points(robots, 3), CORNERS, DENSITIES[kind])
     assert mass.sum() == pytest.approx(whole, rel=1e-12 if kind == "uniform" else 1e-6)
@@ -77,6 +77,6 @@ def test_a_lattice_of_equal_rectangles_is_centroidal(columns: int, rows: int) ->
     mass, centroid = mass_and_centroid(lattice, CORNERS, DENSITIES["uniform"])
     assert centroid == pytest.approx(lattice, abs=1e-12)
     assert mass == pytest.approx(np.full(len(lattice), 0.96 / len(lattice)), rel=1e-9)
-    # Of a rectangle about its centre: area (a^2 + b^2) / 12.
+    # Of a rectangle about its center: area (a^2 + b^2) / 12.
     a, b = 1.2 / columns, 0.8 / rows
     assert locational_cost(lattice, CORNERS, DENSITIES["uniform"]) == pytest.approx(0.96 * (a**2 + b**2) / 12, rel=1e-9)

@@ -6,13 +6,13 @@ from hypothesis import strategies as st
 from emovid.swarm import voronoi
 from emovid.swarm.voronoi import pairs_within
 
-# A coarse grid makes points at one place, and distances of exactly that asked for, likely.
+# A coarse grid makes coincident points, and distances of exactly the limit, likely.
 POINT = st.tuples(st.integers(-8, 8), st.integers(-8, 8))
 
 
 @pytest.mark.parametrize("few", [0, 100])
 @given(points=st.lists(POINT, max_size=60), distance=st.integers(0, 12))
-def test_pairs_are_those_whose_distance_says_so(points: list[tuple[int, int]], distance: int, few: int) -> None:
+def test_pairs_are_exactly_those_within_the_distance(points: list[tuple[int, int]], distance: int, few: int) -> None:
     expected = [
         (i, j)
         for i, (x, y) in enumerate(points)

@@ -18,12 +18,12 @@ def polytope(seed: int, least: float = 0.0) -> tuple[np.ndarray, np.ndarray, np.
 
 @given(SEED)
 @settings(max_examples=200)
-def test_is_the_projection_by_its_optimality_conditions(seed: int) -> None:
+def test_result_satisfies_the_optimality_conditions(seed: int) -> None:
     point, A, b = polytope(seed)
     x = nearest_within(point, A, b)
     scale = np.linalg.norm(A, axis=1)
     assert ((A @ x - b) / scale).max() <= 1e-12
-    # The step back to the point is in the cone of the normals of what it touches: no other point is as near.
+    # The residual is in the cone of the active normals: no other point is as near (KKT).
     touched = (A @ x - b) / scale > -1e-9
     if not touched.any():
         assert np.array_equal(x, point)
@@ -54,10 +54,12 @@ def test_agrees_with_an_independent_solver(seed: int) -> None:
 
 @given(SEED)
 @settings(max_examples=100)
-def test_nothing_is_said_to_be_empty_if_and_only_if_it_is(seed: int) -> None:
+def test_result_is_none_only_for_an_empty_polytope(seed: int) -> None:
     point, A, b = polytope(seed, least=-1.0)
     room = linprog(np.append(np.zeros_like(point), 1.0), np.column_stack([A, -np.ones(len(A))]), b, bounds=(None, None))
-    slack = room.x[-1] if room.status == 0 else -1.0  # by how much the rows must be relaxed; unbounded below is plenty
+    slack = (
+        room.x[-1] if room.status == 0 else -1.0
+    )  # relaxation that makes the constraints feasible; unbounded means feasible
     x = nearest_within(point, A, b)
     if slack > 1e-3:
         assert x is None
@@ -74,6 +76,6 @@ def test_known_answers():
     assert nearest_within(within, square, np.array([-2.0, 1, 1, 1])) is None
 
 
-def test_rows_that_depend_on_each_other_do_no_harm():
+def test_linearly_dependent_constraints_are_accepted():
     A = np.array([[1.0, 0], [1, 0], [2, 0], [0.5, 1e-12]])
     assert nearest_within(np.array([4.0, 1.0]), A, np.array([1.0, 1, 2, 0.5])) == pytest.approx([1, 1], abs=1e-9)

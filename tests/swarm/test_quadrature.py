@@ -1,4 +1,4 @@
-"""Integrals over rectangular cells, where they are products or sums of integrals along one axis."""
+"""Integrals over rectangular cells, as products or sums of integrals along one axis."""
 
 from functools import lru_cache
 
@@ -21,7 +21,7 @@ LATTICE = st.tuples(st.integers(1, 12), st.integers(1, 8))
 NODE, WEIGHT = np.polynomial.legendre.leggauss(40)
 
 
-@lru_cache(maxsize=64)  # a lattice has few intervals
+@lru_cache(maxsize=64)  # the lattices of the tests share few intervals
 def along(begin: float, end: float, centre: float, sigma: float) -> tuple[float, float, float]:
     """Return log of the largest value, mass over it, and mean of a Gaussian on an interval, from 40 x 200 nodes."""
     cuts = np.linspace(begin, end, 201)
@@ -32,21 +32,23 @@ def along(begin: float, end: float, centre: float, sigma: float) -> tuple[float,
 
 
 def lattice(columns: int, rows: int) -> tuple[np.ndarray, list[tuple[float, float, float, float]]]:
-    """Return the centres of equal rectangles that tile the stage, and their bounds: left, right, bottom, top."""
+    """Return the centers of equal rectangles that tile the stage, and their bounds: left, right, bottom, top."""
     x, y = np.linspace(-0.6, 0.6, columns + 1), np.linspace(-0.4, 0.4, rows + 1)
     bounds = [(x[i], x[i + 1], y[j], y[j + 1]) for i in range(columns) for j in range(rows)]
     return np.array([[(a + b) / 2, (c + d) / 2] for a, b, c, d in bounds]), bounds
 
 
 @given(LATTICE, st.floats(0.008, 2), st.floats(-0.6, 0.6), st.floats(-0.4, 0.4))
-def test_gaussian_centroids_are_exact_however_far_out(size: tuple[int, int], sigma: float, x: float, y: float) -> None:
+def test_gaussian_centroids_are_exact_far_from_the_peak(
+    size: tuple[int, int], sigma: float, x: float, y: float
+) -> None:
     points, bounds = lattice(*size)
     density = density_of(Gaussian(kind="gaussian", sigma=sigma, centre={"x": x, "y": y}), STAGE)
     mass, centroid = mass_and_centroid(points, CORNERS, density)
     for i, (left, right, bottom, top) in enumerate(bounds):
         x_log, x_mass, x_mean = along(left, right, x, sigma)
         y_log, y_mass, y_mean = along(bottom, top, y, sigma)
-        if x_log + y_log > -600:  # beyond, the density has no digits
+        if x_log + y_log > -600:  # smaller densities are zero in floating point
             assert mass[i] == pytest.approx(np.exp(x_log + y_log) * x_mass * y_mass, rel=1e-6)
             assert np.hypot(*(centroid[i] - (x_mean, y_mean))) < 1e-6 * sigma
 
@@ -63,7 +65,7 @@ def across(begin: float, end: float, crest: float, width: float) -> tuple[float,
 
 
 @given(LATTICE, st.floats(0.012, 0.5), st.floats(0, 0.1))
-def test_boundary_centroids_are_exact_in_its_valleys_too(size: tuple[int, int], width: float, inset: float) -> None:
+def test_boundary_centroids_are_exact_far_from_the_edges(size: tuple[int, int], width: float, inset: float) -> None:
     # On a rectangle 1 - prod (1 - g) is a + b - a b, with a of x alone and b of y alone.
     points, bounds = lattice(*size)
     density = density_of(Boundary(kind="boundary", width=width, inset=inset), STAGE)
@@ -86,8 +88,8 @@ def test_boundary_centroids_are_exact_in_its_valleys_too(size: tuple[int, int], 
 
 
 @pytest.mark.parametrize("corners", [TRIANGLE, HEXAGON])
-def test_the_cost_of_a_lone_robot_on_a_polygon_is_its_polar_moment(corners: list[tuple[float, float]]) -> None:
-    # Of a polygon about the origin, in the textbook's form: sum of (a x b) (a.a + a.b + b.b) / 12 over its edges.
+def test_cost_of_one_robot_on_a_polygon_is_the_polar_moment(corners: list[tuple[float, float]]) -> None:
+    # Of a polygon about the origin, in its textbook form: sum of (a x b) (a.a + a.b + b.b) / 12 over its edges.
     stage = polygon(corners)
     a = corners_of(stage) - [0.05, 0.1]
     b = np.roll(a, -1, axis=0)
@@ -97,15 +99,15 @@ def test_the_cost_of_a_lone_robot_on_a_polygon_is_its_polar_moment(corners: list
     assert locational_cost(np.array([[0.05, 0.1]]), corners_of(stage), density) == pytest.approx(expected, rel=1e-12)
 
 
-def test_coincident_robots_cost_what_one_costs() -> None:
+def test_coincident_robots_cost_as_much_as_one() -> None:
     density = density_of(Gaussian(kind="gaussian", sigma=0.1), STAGE)
     points = np.array([[0.1, 0.2], [-0.2, 0.0]])
     once, twice = (locational_cost(p, CORNERS, density) for p in (points, np.repeat(points, 2, axis=0)))
     assert twice == pytest.approx(once, rel=1e-12)
 
 
-def test_triangles_larger_than_any_order_can_do_are_split() -> None:
-    # The stage is 120 standard deviations wide; its one cell holds the whole peak: 2 pi sigma^2, and twice sigma^2.
+def test_triangles_too_large_for_any_order_are_split() -> None:
+    # The stage is 120 standard deviations wide; its one cell has mass 2 pi sigma^2 and mean square distance 2 sigma^2.
     density = density_of(Gaussian(kind="gaussian", sigma=0.01), STAGE)
     centre = np.zeros((1, 2))
     assert mass_and_centroid(centre, CORNERS, density)[0] == pytest.approx([2 * np.pi * 0.01**2], rel=1e-9)
@@ -113,9 +115,7 @@ def test_triangles_larger_than_any_order_can_do_are_split() -> None:
 
 
 @pytest.mark.parametrize("block", [400, 5000])
-def test_integrals_do_not_depend_on_how_many_nodes_are_taken_at_a_time(
-    block: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_integrals_do_not_depend_on_the_block_size(block: int, monkeypatch: pytest.MonkeyPatch) -> None:
     points = np.random.default_rng(0).uniform([-0.6, -0.4], [0.6, 0.4], (300, 2))
     density = density_of(Gaussian(kind="gaussian", sigma=0.1), STAGE)._replace(gaussians=None)
     _, expected = mass_and_centroid(points, CORNERS, density)
@@ -124,7 +124,7 @@ def test_integrals_do_not_depend_on_how_many_nodes_are_taken_at_a_time(
 
 
 @pytest.mark.parametrize("nodes", [1, 2, 5, 20])
-def test_the_rule_along_rays_is_that_of_scipy(nodes: int) -> None:
+def test_radial_rule_agrees_with_scipy(nodes: int) -> None:
     for found, expected in zip(quadrature._jacobi(nodes), roots_jacobi(nodes, 0, 1), strict=True):
         assert found == pytest.approx(expected, rel=1e-12)
 
@@ -144,7 +144,7 @@ KINDS = [
 
 @pytest.mark.parametrize(("kind", "stage"), KINDS)
 @given(seed=st.integers(0, 2**32 - 1), robots=st.integers(1, 40), crowd=st.floats(0.02, 1))
-def test_line_integrals_are_those_of_the_quadrature_over_triangles(kind, stage, seed, robots, crowd) -> None:
+def test_line_integrals_agree_with_quadrature_over_triangles(kind, stage, seed, robots, crowd) -> None:
     corners, density = corners_of(stage), density_of(kind, stage)
     rng = np.random.default_rng(seed)
     weights = rng.dirichlet(np.ones(len(corners)), robots)
@@ -157,10 +157,10 @@ def test_line_integrals_are_those_of_the_quadrature_over_triangles(kind, stage, 
 
 
 @pytest.mark.parametrize("place", [(0.0, 0.0), (0.2, 0.1), (0.6, 0.4), (0.6, 0.0), (0.1, 0.4)])
-def test_a_peak_on_a_border_a_robot_an_edge_or_a_corner_is_shared_out(place: tuple[float, float]) -> None:
+def test_gaussian_peaks_on_cell_borders_and_stage_edges_are_integrated_correctly(place: tuple[float, float]) -> None:
     x, y = place
     density = density_of(Gaussian(kind="gaussian", sigma=0.05, centre={"x": x, "y": y}), STAGE)
-    points = np.array([[-0.2, -0.1], [0.2, 0.1]])  # their border goes through the origin
+    points = np.array([[-0.2, -0.1], [0.2, 0.1]])  # the border of their cells passes through the origin
     mass, centroid = mass_and_centroid(points, CORNERS, density)
     expected_mass, expected = mass_and_centroid(points, CORNERS, density._replace(gaussians=None))
     assert mass == pytest.approx(expected_mass, rel=1e-6)
@@ -170,7 +170,7 @@ def test_a_peak_on_a_border_a_robot_an_edge_or_a_corner_is_shared_out(place: tup
 
 
 @given(st.floats(-3, 3), st.floats(-3, 3), st.integers(0, 1000))
-def test_a_density_that_rises_exponentially_has_its_closed_form(p: float, q: float, seed: int) -> None:
+def test_exponential_density_matches_its_closed_form(p: float, q: float, seed: int) -> None:
     # exp(p x + q y) over triangles with corners z: the mass is the divided difference of exp at the corners' exponents.
     corners = np.random.default_rng(seed).uniform(-1, 1, (3, 2))
     u, v = corners[1] - corners[0], corners[2] - corners[0]

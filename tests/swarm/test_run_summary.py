@@ -17,14 +17,14 @@ def run_of(make_scene, poses: list[list[float]], commands: list[list[float]]) ->
     return Trajectory(scene, np.array([0.0, 1.0]), np.stack([first, first]), held, cut, cut)
 
 
-def test_two_robots_that_pass_each_other_are_nearest_in_between(make_scene) -> None:
-    # Opposite ways on lines 50 mm apart, abreast at t = 0.5 s: the samples show 0.2 m and more.
+def test_closest_approach_between_samples_is_found(make_scene) -> None:
+    # In opposite directions on lines 50 mm apart, side by side at t = 0.5 s: at the samples, at least 0.2 m apart.
     run = run_of(make_scene, [[-0.1, 0.025, 0.0], [0.1, -0.025, np.pi]], [[0.2, 0.0], [0.2, 0.0]])
     assert closest_approach(run) == pytest.approx(0.05, abs=2e-6)
 
 
 @pytest.mark.parametrize("emotion", ["surprise", "disgust", "anger"])
-def test_the_closest_approach_is_that_of_a_dense_sampling(make_scene, emotion) -> None:
+def test_closest_approach_agrees_with_dense_sampling(make_scene, emotion) -> None:
     run = simulate(make_scene(emotion, {"duration": 5}))
     sampled = min(pdist(points).min() for points in run.at(np.linspace(0, 5, 20001))[..., :2])
     found = closest_approach(run)
@@ -32,7 +32,7 @@ def test_the_closest_approach_is_that_of_a_dense_sampling(make_scene, emotion) -
     assert found == pytest.approx(sampled, abs=1e-4)
 
 
-def test_one_robot_is_near_nobody(make_scene) -> None:
+def test_single_robot_has_no_body_distance(make_scene) -> None:
     run = simulate(make_scene("fear", {"robots": 1, "duration": 1}))
     assert summarize(run).body_distance is None
 

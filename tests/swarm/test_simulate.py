@@ -42,7 +42,7 @@ def edge_distance(run: Trajectory, t: float) -> float:
     return float((np.array([0.6, 0.4]) - np.abs(points)).min(axis=1).mean())
 
 
-# --- the six behaviours, at the times of the paper's snapshots -------------------------------------------------------
+# --- the six behaviors, at the snapshot times of the paper -------------------------------------------------------
 
 
 def test_happiness_is_a_ring_with_six_ripples(runs) -> None:
@@ -51,8 +51,8 @@ def test_happiness_is_a_ring_with_six_ripples(runs) -> None:
     profile = np.array([r[np.abs(angle - a) < 0.03].mean() for a in np.linspace(-np.pi, np.pi, 120, endpoint=False)])
     spectrum = np.abs(np.fft.rfft(profile - profile.mean()))
     assert spectrum.argmax() == 6
-    assert 2 * spectrum[6] / 120 > 0.02  # metres: ripples that one sees
-    assert profile.mean() == pytest.approx(0.27, abs=0.02)  # big: two thirds of the stage's height
+    assert 2 * spectrum[6] / 120 > 0.02  # meters: visible ripples
+    assert profile.mean() == pytest.approx(0.27, abs=0.02)  # large: two thirds of the stage height
 
 
 def test_surprise_grows_from_R_min_to_nine_tenths_of_R_max_and_folds(runs) -> None:
@@ -71,7 +71,7 @@ def test_sadness_is_a_small_ring_turned_by_an_eighth_in_eight_seconds(runs) -> N
     r_8, after = polar(runs["sadness"], 8)
     turned = np.degrees(np.mod(after - before, 2 * np.pi))
     assert turned == pytest.approx(np.full(15, 45), abs=5)
-    assert r_8.mean() < 0.2 * 0.8  # small against the stage
+    assert r_8.mean() < 0.2 * 0.8  # small compared with the stage
     assert r_8.std() < 1e-3
 
 
@@ -85,7 +85,7 @@ def test_disgust_moves_outwards_to_the_boundary(runs) -> None:
     assert distances[2] < 0.12
 
 
-def test_anger_crowds_at_the_centre_and_never_rests(runs) -> None:
+def test_anger_crowds_at_the_center_and_never_rests(runs) -> None:
     assert polar(runs["anger"], 6)[0].mean() < 0.6 * polar(runs["anger"], 0)[0].mean()
     assert np.abs(runs["anger"].commands[-30:, :, 0]).mean() > 0.25
 
@@ -98,7 +98,7 @@ def test_fast_emotions_are_faster_than_slow_ones(runs) -> None:
 
 
 @pytest.mark.parametrize("emotion", EMOTIONS)
-def test_shipped_scenes_neither_overlap_nor_lean_on_the_edge(runs, emotion) -> None:
+def test_shipped_scenes_keep_bodies_apart_and_off_the_edge(runs, emotion) -> None:
     found = summarize(runs[emotion])
     assert found.body_distance > 0
     assert found.stage_cut_share <= 0.05
@@ -108,19 +108,19 @@ def test_shipped_scenes_neither_overlap_nor_lean_on_the_edge(runs, emotion) -> N
 
 
 @pytest.mark.parametrize("emotion", EMOTIONS)
-def test_one_seed_one_trajectory(runs, emotion) -> None:
+def test_equal_seeds_give_equal_trajectories(runs, emotion) -> None:
     again = simulate(load_scene(emotion))
     assert np.array_equal(again.poses, runs[emotion].poses)
     assert np.array_equal(again.commands, runs[emotion].commands)
 
 
-def test_the_video_has_no_influence(runs, make_scene) -> None:
+def test_video_keys_do_not_change_the_motion(runs, make_scene) -> None:
     other = {"video.fps": 60, "video.size": "640x360", "video.trails.robots": 0}
     assert np.array_equal(simulate(make_scene("anger", other)).poses, runs["anger"].poses)
 
 
 @pytest.mark.parametrize("emotion", EMOTIONS)
-def test_commands_carry_each_sample_to_the_next(runs, emotion) -> None:
+def test_commands_lead_from_each_pose_to_the_next(runs, emotion) -> None:
     run = runs[emotion]
     moved = np.stack([move(run.poses[k], run.commands[k], run.t[k + 1] - run.t[k]) for k in range(len(run.t) - 1)])
     assert moved == pytest.approx(run.poses[1:], abs=1e-12)
@@ -135,7 +135,7 @@ def test_commands_carry_each_sample_to_the_next(runs, emotion) -> None:
         (0.3, 0.1, [0, 0.1, 0.2, 0.3]),
     ],
 )
-def test_samples_are_the_control_periods_and_the_end(duration, period, expected) -> None:
+def test_sample_times_are_the_control_periods_and_the_end(duration, period, expected) -> None:
     assert sample_times(duration, period) == pytest.approx(expected)
 
 
@@ -151,7 +151,7 @@ def test_look_ahead_points_follow_at_the_gain_and_lag_of_a_first_order_system(ma
     assert np.mod(lag, 2 * np.pi) == pytest.approx(np.full(15, np.arctan2(2, 4)), abs=2e-3)
 
 
-def test_contour_robots_never_set_off_backwards(runs) -> None:
+def test_contour_robots_never_start_backwards(runs) -> None:
     for emotion in ("happiness", "surprise", "sadness"):
         assert (runs[emotion].commands[:60, :, 0] >= -1e-12).all()
 
@@ -170,7 +170,7 @@ def test_limits_hold_throughout(make_scene) -> None:
     assert wheels.max() <= 0.1 + 1e-12
 
 
-def test_periods_are_reported(make_scene) -> None:
+def test_progress_is_reported_for_each_period(make_scene) -> None:
     told = []
     simulate(make_scene("fear", {"duration": 1}), lambda done, total: told.append((done, total)))
     assert told == [(1, 4), (2, 4), (3, 4), (4, 4)]
@@ -189,8 +189,8 @@ def test_bodies_stay_on_the_stage_whatever_the_control(make_scene, emotion, K, l
     if emotion not in ("happiness", "sadness"):
         del keys["behaviour.R"]
     if emotion in ("happiness", "surprise", "sadness"):
-        keys["robot.l"] = min(l, 0.05)  # the centres start l behind the contour
-        keys["start.settled"] = False  # what follows the contour with a small K runs on a ring too small for 15
+        keys["robot.l"] = min(l, 0.05)  # the centers start l behind the contour
+        keys["start.settled"] = False  # with a small K, the robots run on a ring too small for 15 robots
     run = simulate(make_scene(emotion, keys))
     half = np.array([0.6, 0.4]) - run.scene.robot.body.radius
     assert (np.abs(run.at(np.linspace(0, 2, 400))[..., :2]) <= half + 1e-9).all()
@@ -212,7 +212,7 @@ DENSITIES = [{"kind": "uniform"}, {"kind": "boundary", "width": 0.2, "inset": 0.
 
 
 @pytest.mark.parametrize("emotion", EMOTIONS)
-def test_a_rectangle_by_its_corners_gives_the_same_run_to_the_last_digit(runs, make_scene, emotion) -> None:
+def test_rectangle_given_by_corners_gives_an_identical_run(runs, make_scene, emotion) -> None:
     corners = [(0.6, 0.4), (0.6, -0.4), (-0.6, -0.4), (-0.6, 0.4)]
     run = simulate(make_scene(emotion, {"stage": keys_of(corners)}))
     assert np.array_equal(run.poses, runs[emotion].poses)
@@ -231,7 +231,7 @@ def test_robots_never_leave_a_stage_of_any_shape(make_scene, corners, seed, dens
 def test_a_contour_robot_never_leaves_a_thin_stage_off_the_origin(make_scene) -> None:
     centre = dict(zip("xy", np.mean(THIN, axis=0).tolist(), strict=True))
     contour = {"behaviour.R": 0.02, "behaviour.centre": centre, "behaviour.angular_rate": 3.0}
-    # With a look-ahead of twice the stage's width it swings about.
+    # With a look-ahead of twice the stage width, the robot oscillates.
     keys = {"robots": 1, "robot.l": 0.2, "start": {"place": "poses", "poses": [centre]}, "duration": 5}
     run = simulate(make_scene("sadness", {"stage": keys_of(THIN)} | contour | keys))
     room = room_on_stage(run.at(np.linspace(0, 5, 5001))[:, 0, :2], run.scene.stage)
@@ -239,13 +239,13 @@ def test_a_contour_robot_never_leaves_a_thin_stage_off_the_origin(make_scene) ->
     assert run.stage_cut.any()
 
 
-def test_one_robot_alone_ends_at_the_centroid_of_a_triangle(make_scene) -> None:
+def test_single_robot_converges_to_the_centroid_of_a_triangle(make_scene) -> None:
     keys = {"stage": keys_of(TRIANGLE), "robots": 1, "robot.model": "single_integrator", "duration": 30}
     run = simulate(make_scene("fear", keys | {"start": {"place": "stage"}}))
     assert run.poses[-1, 0, :2] == pytest.approx(np.mean(TRIANGLE, axis=0), abs=1e-3)
 
 
-def test_disgust_lines_the_edges_of_a_hexagon(make_scene) -> None:
+def test_disgust_spreads_along_the_edges_of_a_hexagon(make_scene) -> None:
     run = simulate(make_scene("disgust", {"stage": keys_of(HEXAGON), "duration": 30}))
     before, after = (room_on_stage(run.poses[k, :, :2], run.scene.stage).mean() for k in (0, -1))
     assert before > 2 * after

@@ -29,7 +29,7 @@ def test_look_ahead_points_start_on_the_contour(make_scene, emotion) -> None:
 
 
 @pytest.mark.parametrize("emotion", ["happiness", "sadness"])
-def test_settled_look_ahead_points_start_as_far_behind_as_they_stay(make_scene, emotion) -> None:
+def test_settled_look_ahead_points_start_with_their_steady_lag(make_scene, emotion) -> None:
     scene = make_scene(emotion, {"start": {"place": "contour", "settled": True}})
     contour, K, theta_0 = scene.behaviour, scene.robot.K, start_angles(15)
     age = (np.arange(10_000) + 0.5) * (30 / K / 10_000)  # p(0) = int_0^inf K exp(-K s) x(-s) ds, by midpoints
@@ -59,20 +59,20 @@ def test_random_starts_fill_the_stage_and_all_headings(make_scene) -> None:
     scene = make_scene("anger", {"robots": 100, "start.min_spacing": None})
     poses = np.concatenate([start_poses(scene, rng(seed)) for seed in range(20)])
     radius = scene.robot.body.radius
-    # Uniform over the stage less the body: means 0, variances (2 half)^2 / 12; spacing only evens it out.
+    # Uniform over the stage minus the body: means 0, variances (2 half)^2 / 12; spacing only makes it more even.
     half = np.array([0.6 - radius, 0.4 - radius])
     assert np.abs(poses[:, :2].mean(axis=0)) == pytest.approx([0, 0], abs=0.02)
     assert poses[:, :2].std(axis=0) == pytest.approx(half / np.sqrt(3), rel=0.06)
     assert np.hypot(np.cos(poses[:, 2]).mean(), np.sin(poses[:, 2]).mean()) < 0.06
 
 
-def test_the_seed_decides(make_scene) -> None:
+def test_starts_depend_on_the_seed(make_scene) -> None:
     scene = make_scene("anger")
     assert np.array_equal(start_poses(scene, rng(1)), start_poses(scene, rng(1)))
     assert not np.array_equal(start_poses(scene, rng(1)), start_poses(scene, rng(2)))
 
 
-def test_listed_poses_are_taken_as_they_are(make_scene) -> None:
+def test_listed_poses_are_used_unchanged(make_scene) -> None:
     poses = [{"x": 0.1, "y": -0.2, "heading": 1.0}, {"x": 0.3, "y": 0.0}]
     scene = make_scene("fear", {"robots": 2, "start": {"place": "poses", "poses": poses}})
     assert start_poses(scene, rng()) == pytest.approx(np.array([[0.1, -0.2, 1.0], [0.3, 0.0, 0.0]]))
@@ -85,11 +85,11 @@ def test_listed_bodies_may_not_overlap(make_scene) -> None:
         start_poses(scene, rng())
 
 
-def test_what_is_too_near_is_said_in_digits_that_show_it(make_scene) -> None:
+def test_too_small_distance_is_reported_with_enough_digits(make_scene) -> None:
     keys = {"robots": 14, "behaviour.R": 0.08815, "robot.l": 0.005}
     scene = make_scene("sadness", keys)
     behind = keys["robot.l"] - scene.robot.body.disc[0]
-    apart = 2 * np.hypot(keys["behaviour.R"], behind) * np.sin(np.pi / 14)  # a chord of the circle of middles
+    apart = 2 * np.hypot(keys["behaviour.R"], behind) * np.sin(np.pi / 14)  # a chord of the circle of body centers
     with pytest.raises(SourceError) as caught:
         start_poses(scene, rng())
     found, needed = map(float, re.search(r"start (\S+) mm apart, and need (\S+) mm$", str(caught.value)).groups())
@@ -97,7 +97,7 @@ def test_what_is_too_near_is_said_in_digits_that_show_it(make_scene) -> None:
     assert found == pytest.approx(1000 * apart, abs=5e-4)
 
 
-def test_a_look_ahead_that_brings_robots_on_a_ripple_together_is_named(make_scene) -> None:
+def test_look_ahead_that_moves_robots_too_close_is_named(make_scene) -> None:
     keys = {"robots": 18, "behaviour.R": 0.12, "behaviour.A": 0.06, "start.settled": False}
     message = r"robots 2 and 3 would start 37\.2 mm apart, and need 39\.3 mm; all would fit with a robot\.l near 0$"
     with pytest.raises(SourceError, match=message):
@@ -105,7 +105,7 @@ def test_a_look_ahead_that_brings_robots_on_a_ripple_together_is_named(make_scen
     start_poses(make_scene("happiness", keys | {"robot.l": 0.0001}), rng())
 
 
-def test_random_trials_end(make_scene, monkeypatch) -> None:
+def test_random_placement_ends_after_a_number_of_rounds(make_scene, monkeypatch) -> None:
     scene = make_scene("anger", {"robots": 60})
     assert len(start_poses(scene, rng())) == 60
     monkeypatch.setattr(start, "_ROUNDS", 1)
@@ -113,7 +113,7 @@ def test_random_trials_end(make_scene, monkeypatch) -> None:
         start_poses(scene, rng())
 
 
-def test_a_thousand_robots_find_room_on_a_large_stage(make_scene) -> None:
+def test_thousand_robots_fit_on_a_large_stage(make_scene) -> None:
     scene = make_scene("anger", {"robots": 1000, "stage.width": 5.0, "stage.height": 4.0})
     assert pdist(start_poses(scene, rng())[:, :2]).min() >= 0.06
 
@@ -138,17 +138,17 @@ def test_random_starts_are_uniform_on_a_triangle(make_scene) -> None:
     corners = np.array([[1.0, -1.0], [4.0, -1.0], [1.0, 3.0]])  # 3-4-5: its circle is about (2, 0), of radius 1
     scene = on_stage(make_scene, corners.tolist(), robots=100, **{"start.min_spacing": None})
     poses = np.concatenate([start_poses(scene, rng(seed))[:, :2] for seed in range(20)])
-    # Less the body it is the same triangle, smaller, about the same circle.
+    # The area for body centers is a smaller, similar triangle with the same incenter.
     inside = [2, 0] + (1 - scene.robot.body.radius) * (corners - [2, 0])
     middle = inside.mean(axis=0)
-    # A triangle's covariance is that of its corners, over 4: spacing only evens the starts out.
+    # A triangle's covariance is that of its corners, over 4: the minimal spacing only makes the starts more even.
     covariance = (inside - middle).T @ (inside - middle) / 12
     assert poses.mean(axis=0) == pytest.approx(middle, abs=0.05)
     assert np.cov(poses.T) == pytest.approx(covariance, rel=0.06)
 
 
-def test_a_thin_stage_aslant_is_filled_though_few_darts_hit_it(make_scene) -> None:
-    # 20 m long and 0.1 m wide: one dart in 160 falls on what bodies leave of it.
+def test_slanted_thin_stage_is_filled(make_scene) -> None:
+    # 20 m long and 0.1 m wide: one random point in 160 of its bounding box is free.
     along, across = np.array([np.sqrt(0.5), np.sqrt(0.5)]), np.array([-np.sqrt(0.5), np.sqrt(0.5)])
     corners = [(i * along + j * across).tolist() for i, j in ((-10, -0.05), (10, -0.05), (10, 0.05), (-10, 0.05))]
     poses = start_poses(on_stage(make_scene, corners, robots=220), rng())
@@ -156,7 +156,7 @@ def test_a_thin_stage_aslant_is_filled_though_few_darts_hit_it(make_scene) -> No
     assert np.abs(poses[:, :2] @ along).max() > 9
 
 
-def test_a_rectangle_by_its_corners_has_the_same_starts(make_scene) -> None:
+def test_rectangle_given_by_corners_has_identical_starts(make_scene) -> None:
     corners = [(-0.6, 0.4), (0.6, 0.4), (0.6, -0.4), (-0.6, -0.4)]
     by_corners = make_scene("anger", {"stage": keys_of(corners)})
     assert np.array_equal(start_poses(by_corners, rng()), start_poses(make_scene("anger"), rng()))

@@ -15,7 +15,7 @@ from emovid.swarm.trajectory import RecordedTrajectory, Trajectory
 
 STAGE = {"width": 1.2, "height": 0.8}
 T = np.arange(31) / 10
-# Two robots: one to the right along y = 0.1, one on a circle, in meters and y up.
+# Two robots: one moves to the right along y = 0.1, one on a circle, in meters and y up.
 X = np.stack([-0.3 + 0.1 * T, 0.2 * np.cos(T)], axis=1)
 Y = np.stack([np.full_like(T, 0.1), 0.2 * np.sin(T)], axis=1)
 
@@ -37,7 +37,7 @@ def expect_motion(run: Trajectory) -> None:
     assert run.t == pytest.approx(T, abs=1e-9)
     assert run.poses[..., 0] == pytest.approx(X, abs=1e-6)
     assert run.poses[..., 1] == pytest.approx(Y, abs=1e-6)
-    assert run.poses[5, 0, 2] == pytest.approx(0, abs=1e-6)  # faces where it moves
+    assert run.poses[5, 0, 2] == pytest.approx(0, abs=1e-6)  # heading in the direction of motion
 
 
 def long_csv(path: Path, frames: bool = False) -> None:
@@ -73,7 +73,7 @@ def test_deeplabcut_of_one_body_part_and_of_several_individuals(tmp_path) -> Non
         load_track(wrong)
 
 
-def test_trex_and_its_gaps(tmp_path) -> None:
+def test_trex_files_with_missing_positions(tmp_path) -> None:
     folder = tmp_path / "data"
     folder.mkdir()
     for k in range(2):
@@ -144,7 +144,7 @@ def test_a_ros_bag_of_pose_arrays(tmp_path) -> None:
         ({"columns": {"frame": "frame", "robot": "who"}}, "no column 'who'"),
     ],
 )
-def test_a_description_without_what_cannot_be_guessed_is_refused(tmp_path, keys, words) -> None:
+def test_description_without_required_keys_is_refused(tmp_path, keys, words) -> None:
     long_csv(tmp_path / "real.csv", frames=True)
     every = {"file": "real.csv", "format": "long", "columns": {"frame": "frame"}, "rate": 10} | keys
     with pytest.raises((SourceError, InputError), match=words):
@@ -183,13 +183,13 @@ def test_recorded_motion_is_saved_loaded_and_never_simulated(tmp_path) -> None:
         ([0.0, 1.0], np.full((2, 1, 3), np.nan), "expected finite numbers"),
     ],
 )
-def test_poses_that_are_no_motion_are_refused(t, poses, words) -> None:
+def test_invalid_poses_are_refused(t, poses, words) -> None:
     with pytest.raises(InputError, match=words):
         Trajectory.from_poses(np.array(t), poses, body=load_robot("e_puck2"), stage=Rectangle(**STAGE))
 
 
-def test_dividers_measure_speed_through_noise() -> None:
-    # 0.18 mm of noise at 30 Hz adds a fifth to the length of a slow path between samples, and 2 % by dividers.
+def test_divider_method_measures_speed_despite_noise() -> None:
+    # 0.18 mm of noise at 30 Hz adds 20 % to the length of a slow path between samples, and 2 % with the divider method.
     t = np.arange(0, 10, 1 / 30)
     x = np.stack([0.01 * t, np.zeros_like(t)], axis=-1)[:, None]
     noisy = x + np.random.default_rng(1).normal(0, 0.00018, x.shape)

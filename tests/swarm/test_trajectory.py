@@ -10,7 +10,7 @@ def anger(make_scene) -> Trajectory:
     return simulate(make_scene("anger", {"duration": 3}))
 
 
-def test_samples_are_returned_as_they_are(anger) -> None:
+def test_poses_at_sample_times_are_exact(anger) -> None:
     assert anger.at(anger.t) == pytest.approx(anger.poses, abs=1e-9)
 
 
@@ -26,7 +26,7 @@ def test_times_outside_the_run_are_refused(anger, times) -> None:
 
 
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-4, 1e-3])
-def test_a_trace_strays_from_the_arcs_by_less_than_its_tolerance(anger, tolerance) -> None:
+def test_trace_deviates_from_the_arcs_by_less_than_the_tolerance(anger, tolerance) -> None:
     times, points = anger.trace(4, tolerance)
     assert (np.diff(times) > 0).all()
     assert anger.at(times)[:, 4, :2] == pytest.approx(points, abs=1e-9)
@@ -44,7 +44,7 @@ def test_a_coarse_trace_has_fewer_points_than_a_fine_one(anger) -> None:
     assert len(anger.trace(0, 1e-3)[0]) < len(anger.trace(0, 1e-5)[0])
 
 
-def test_the_digest_is_that_of_the_motion(anger, make_scene) -> None:
+def test_digest_depends_only_on_the_motion(anger, make_scene) -> None:
     again = simulate(make_scene("anger", {"duration": 3, "video.fps": 60}))
     other = simulate(make_scene("anger", {"duration": 3, "seed": 2}))
     assert again.digest() == anger.digest()

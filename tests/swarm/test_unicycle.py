@@ -27,20 +27,22 @@ def test_move_is_the_solution_of_the_unicycle_equations(v: float, omega: float) 
 
 
 @given(ANGLE, SPEED, TURN, SECONDS, SECONDS)
-def test_two_moves_under_one_command_are_one(heading: float, v: float, omega: float, a: float, b: float) -> None:
+def test_two_moves_with_one_command_equal_one_long_move(
+    heading: float, v: float, omega: float, a: float, b: float
+) -> None:
     start, command = np.array([0.0, 0.0, heading]), np.array([v, omega])
     once, twice = move(start, command, a + b), move(move(start, command, a), command, b)
     assert once[:2] == pytest.approx(twice[:2], abs=1e-10)
 
 
 @given(ANGLE, SPEED, TURN, SECONDS)
-def test_moving_back_undoes_a_move(heading: float, v: float, omega: float, seconds: float) -> None:
+def test_reversed_move_undoes_a_move(heading: float, v: float, omega: float, seconds: float) -> None:
     start, command = np.array([0.3, -0.1, heading]), np.array([v, omega])
     assert move(move(start, command, seconds), -command, seconds)[:2] == pytest.approx(start[:2], abs=1e-10)
 
 
 @given(st.floats(-1e4, 1e4))
-def test_wrapped_headings_are_the_same_direction_in_range(angle: float) -> None:
+def test_wrapped_headings_keep_direction_and_range(angle: float) -> None:
     inside = float(wrapped(np.array(angle)))
     assert -np.pi < inside <= np.pi
     assert np.hypot(np.cos(inside) - np.cos(angle), np.sin(inside) - np.sin(angle)) < 1e-9
@@ -51,7 +53,7 @@ def test_wrapped_keeps_pi_and_turns_minus_pi() -> None:
 
 
 @given(ANGLE, SPEED, SPEED, st.floats(0.1, 20), st.floats(1e-3, 0.1))
-def test_look_ahead_point_sets_out_with_K_u(heading: float, ux: float, uy: float, K: float, l: float) -> None:
+def test_look_ahead_point_starts_with_velocity_K_u(heading: float, ux: float, uy: float, K: float, l: float) -> None:
     pose, u = np.array([[0.2, 0.1, heading]]), np.array([[ux, uy]])
     command = near_identity(u, pose[:, 2], K, l)
     step = 1e-7 * l / (1 + K * np.hypot(ux, uy))
@@ -60,14 +62,14 @@ def test_look_ahead_point_sets_out_with_K_u(heading: float, ux: float, uy: float
 
 
 def test_near_identity_by_hand() -> None:
-    # Facing +y, wanting (1, 0) m/s: nothing forward, and a right turn of K / l.
+    # Heading +y with desired velocity (1, 0) m/s: no forward speed, and a right turn of K / l.
     commands = near_identity(np.array([[1.0, 0.0], [0.0, 1.0]]), np.full(2, np.pi / 2), K=3, l=0.5)
     assert commands == pytest.approx(np.array([[0.0, -6.0], [3.0, 0.0]]), abs=1e-12)
 
 
 @pytest.mark.parametrize("g", [0.5, 1.5, 2.5, 4.5])
 def test_heading_error_follows_e_minus_g_sin_e(g: float) -> None:
-    # Under a u that stays, a period of length T turns the heading by -g sin(e) with g = K |u| T / l.
+    # Under constant u, a period of length T turns the heading by -g sin(e) with g = K |u| T / l.
     K, l, seconds, u = 4.0, 0.01, 0.1, np.array([[g * 0.01 / 0.4, 0.0]])
     e, pose = 1.1, np.array([[0.0, 0.0, 1.1]])
     for _ in range(5):
@@ -88,13 +90,13 @@ def test_limits_scale_a_command_as_a_whole(v: float, omega: float) -> None:
     free = abs(v) <= 0.3 and abs(omega) <= 9 and abs(v) + 0.0175 * abs(omega) <= 0.25
     if free:
         assert np.array_equal(scaled, command[0])
-    else:  # and no more is lost than must be: one limit is reached
+    else:  # and speed is reduced no more than necessary: one limit is reached
         reached = max(abs(scaled[0]) / 0.3, abs(scaled[1]) / 9.0, (abs(scaled[0]) + 0.0175 * abs(scaled[1])) / 0.25)
         assert reached == pytest.approx(1)
 
 
 @given(st.floats(-2, 2), st.floats(-40, 40))
-def test_clipping_cuts_each_wheel_alone(v: float, omega: float) -> None:
+def test_clipping_limits_each_wheel_separately(v: float, omega: float) -> None:
     base, most = 0.105, 0.2
     command = np.array([[v, omega]])
     clipped = within_limits(command, Limits(wheel_max=most), base, clip=True)[0]

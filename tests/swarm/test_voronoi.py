@@ -31,7 +31,7 @@ def uniform(robots: int, seed: int, corners: np.ndarray = CORNERS) -> np.ndarray
 
 
 def assert_cells_are_those_of_cutting(points: np.ndarray, corners: np.ndarray, about: float = 1e-12) -> None:
-    """Hold areas, and centroids to `about`, against cutting; lengths are in units of the stage's extent."""
+    """Compare areas, and centroids within `about`, with clipping; lengths are in units of the stage extent."""
     distinct, which = np.unique(points, axis=0, return_inverse=True)
     robots = distinct[:, 0] + 1j * distinct[:, 1]
     cut = [np.stack([ring.real, ring.imag], 1) for ring in clipped_cells(robots, corners[:, 0] + 1j * corners[:, 1])]
@@ -47,14 +47,14 @@ def assert_cells_are_those_of_cutting(points: np.ndarray, corners: np.ndarray, a
 
 
 @pytest.mark.parametrize("robots", [2, 3, 15, 200, 3000])
-def test_cells_are_those_of_qhull(robots: int) -> None:
+def test_cells_agree_with_qhull(robots: int) -> None:
     points = np.random.default_rng(robots).uniform([-0.6, -0.4], [0.6, 0.4], (robots, 2))
     expected = [area(corners) for corners in mirrored_voronoi(points, 1.2, 0.8)]
     assert areas(voronoi_cells(points, CORNERS)) == pytest.approx(expected, rel=1e-9, abs=1e-14)
 
 
-def test_what_qhull_gets_wrong_is_noticed() -> None:
-    # Twelve robots within a tenth of a micrometre: Qhull gives a triangulation that is none, and does not say so.
+def test_wrong_triangulations_of_qhull_are_detected() -> None:
+    # Twelve robots within a tenth of a micrometre: Qhull returns an invalid triangulation without an error.
     rng = np.random.default_rng(35)
     apart = rng.uniform([-0.6, -0.4], [0.6, 0.4], (12, 2))
     points = np.concatenate([apart, rng.normal(0, 1e-7, (12, 2))])
@@ -63,7 +63,7 @@ def test_what_qhull_gets_wrong_is_noticed() -> None:
     assert_cells_are_those_of_cutting(points, CORNERS, about=1e-9)
 
 
-def test_one_robot_has_the_whole_stage() -> None:
+def test_cell_of_one_robot_is_the_stage() -> None:
     assert voronoi_cells(np.array([[0.3, 0.1]]), CORNERS)[0] == pytest.approx(CORNERS)
 
 
@@ -74,23 +74,21 @@ def test_two_robots_share_the_stage_at_their_bisector() -> None:
 
 
 @given(st.lists(POINT, min_size=1, max_size=40), st.sampled_from([1, 100]))
-def test_cells_are_those_of_cutting_by_pairs_and_by_qhull(points: list[tuple[float, float]], few: int) -> None:
+def test_cells_agree_with_pairwise_clipping_and_qhull(points: list[tuple[float, float]], few: int) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(voronoi, "_FEW", few)
         assert_cells_are_those_of_cutting(np.array(points), CORNERS)
 
 
 @given(st.integers(1, 20), st.integers(-17, -3), st.integers(0, 1000))
-def test_robots_of_a_small_swarm_may_be_as_near_to_each_other_as_numbers_get(
-    robots: int, digits: int, seed: int
-) -> None:
+def test_small_swarms_allow_arbitrarily_close_robots(robots: int, digits: int, seed: int) -> None:
     points = uniform(robots, seed)
     twins = points + np.random.default_rng(seed).normal(size=points.shape) * 10.0**digits
     swarm = np.concatenate([points, np.clip(twins, CORNERS[0], CORNERS[2])])[: voronoi._FEW]
     assert_cells_are_those_of_cutting(swarm, CORNERS, about=1e-11)
 
 
-def test_a_robot_among_others_has_a_cell_that_does_not_reach_the_stage_s_edge() -> None:
+def test_interior_robot_has_a_cell_inside_the_stage() -> None:
     angle = np.arange(6) * np.pi / 3
     points = np.concatenate([[[0.1, 0.0]], 0.2 * np.stack([np.cos(angle), np.sin(angle)], axis=1) + [0.1, 0.0]])
     # A regular hexagon with an inradius of 0.1.
@@ -105,7 +103,7 @@ def test_cells_partition_the_stage(points: list[tuple[float, float]]) -> None:
 
 
 @given(st.lists(POINT, min_size=2, max_size=30), st.tuples(st.floats(-0.6, 0.6), st.floats(-0.4, 0.4)))
-def test_a_place_lies_in_the_cell_of_its_nearest_robot(
+def test_points_lie_in_the_cell_of_their_nearest_robot(
     points: list[tuple[float, float]], place: tuple[float, float]
 ) -> None:
     robots = np.array(points)
@@ -117,7 +115,9 @@ def test_a_place_lies_in_the_cell_of_its_nearest_robot(
 
 
 @given(convex_corners(), st.integers(1, 30), st.integers(0, 1000), st.booleans())
-def test_any_convex_stage_will_do(corners: list[tuple[float, float]], robots: int, seed: int, cornered: bool) -> None:
+def test_cells_tile_any_convex_stage(
+    corners: list[tuple[float, float]], robots: int, seed: int, cornered: bool
+) -> None:
     stage = np.array(corners)
     points = uniform(robots, seed, stage)
     if cornered:
@@ -127,7 +127,7 @@ def test_any_convex_stage_will_do(corners: list[tuple[float, float]], robots: in
 
 
 @pytest.mark.parametrize("corners", [TRIANGLE, HEXAGON, THIN])
-def test_a_lone_robot_s_cell_is_the_polygon(corners: list[tuple[float, float]]) -> None:
+def test_cell_of_one_robot_is_the_polygon(corners: list[tuple[float, float]]) -> None:
     stage = np.array(corners)
     (cell,) = voronoi_cells(stage.mean(axis=0)[None], stage)
     found_area, centroid = shoelace(cell)
@@ -143,7 +143,7 @@ def test_coincident_robots_share_a_cell() -> None:
     assert areas(cells)[1:].sum() == pytest.approx(0.96)
 
 
-def test_robots_all_at_one_place_have_the_stage() -> None:
+def test_robots_at_one_position_share_the_whole_stage() -> None:
     assert areas(voronoi_cells(np.full((20, 2), 0.1), CORNERS)) == pytest.approx(np.full(20, 0.96))
 
 
@@ -163,7 +163,7 @@ def test_robots_on_a_circle_have_its_sectors(robots: int) -> None:
 
 @pytest.fixture
 def cuttings(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """Count how many times the cells are cut, after all: the numbers of robots."""
+    """Record each use of the clipping fallback: the numbers of robots."""
     calls: list[int] = []
 
     def counted(robots: np.ndarray, outline: np.ndarray) -> list[np.ndarray]:
@@ -175,14 +175,14 @@ def cuttings(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
 
 @pytest.mark.parametrize("share", [1.0, 0.25, 1e-3, 1e-6])
-def test_ten_thousand_robots_are_never_cut_however_close_their_swarm(share: float, cuttings: list[int]) -> None:
+def test_ten_thousand_close_robots_need_no_fallback(share: float, cuttings: list[int]) -> None:
     points = share * uniform(10_000, 2) + [0.1, 0.2] * np.array(1 - share)
     cells = voronoi_cells(points, CORNERS)
     assert areas(cells).sum() == pytest.approx(0.96, abs=1e-12)
     assert not cuttings
 
 
-def test_a_lattice_with_robots_all_along_the_edge_is_not_cut_either(cuttings: list[int]) -> None:
+def test_lattice_with_robots_on_the_edge_needs_no_fallback(cuttings: list[int]) -> None:
     x, y = np.meshgrid(np.linspace(-0.6, 0.6, 101), np.linspace(-0.4, 0.4, 81))
     found = areas(voronoi_cells(np.stack([x.ravel(), y.ravel()], axis=1), CORNERS)).reshape(x.shape)
     assert found[1:-1, 1:-1] == pytest.approx(np.full((79, 99), 0.012 * 0.01), rel=1e-9)
@@ -191,26 +191,26 @@ def test_a_lattice_with_robots_all_along_the_edge_is_not_cut_either(cuttings: li
 
 
 @pytest.mark.parametrize("apart", [1e-4, 1e-7, 1e-9, 1e-12, 1e-15])
-def test_robots_next_to_each_other_halve_their_cell(apart: float) -> None:
+def test_adjacent_robots_halve_their_common_cell(apart: float) -> None:
     points = np.concatenate([uniform(30, 4), [[0.1, 0.05], [0.1 + apart, 0.05]]])
     assert_cells_are_those_of_cutting(points, CORNERS)
 
 
 @pytest.mark.parametrize("size", [1e-3, 1e-5, 1e-7, 1e-9])
-def test_a_crowd_smaller_than_qhull_resolves_is_cut(size: float, cuttings: list[int]) -> None:
+def test_crowd_below_the_resolution_of_qhull_uses_the_fallback(size: float, cuttings: list[int]) -> None:
     crowd = np.random.default_rng(3).normal([0.3, 0.1], size, (25, 2))
     points = np.concatenate([crowd, [[-0.5, -0.3], [-0.2, 0.35]]])
     assert_cells_are_those_of_cutting(points, CORNERS)
     assert bool(cuttings) == (size < 1e-6)
 
 
-def test_a_robot_that_rounding_puts_beyond_the_edge_may_have_no_cell() -> None:
+def test_robot_rounded_beyond_the_edge_may_have_no_cell() -> None:
     points = np.array([[0.6, 0.0], [np.nextafter(0.6, 1), 0.0], [0.0, 0.0]])
     cells = voronoi_cells(points, CORNERS)
     assert areas(cells) == pytest.approx([0.3 * 0.8, 0.0, 0.9 * 0.8])
     assert cells[1] == pytest.approx(np.tile(points[1], (cells.shape[1], 1)))
 
 
-def test_the_same_points_give_the_same_bits() -> None:
+def test_equal_points_give_bitwise_equal_cells() -> None:
     points = uniform(2000, 5)
     assert np.array_equal(voronoi_cells(points, CORNERS), voronoi_cells(points.copy(), CORNERS))
