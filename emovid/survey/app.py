@@ -24,6 +24,7 @@ _LANGUAGES = {
     "ja": "日本語", "pt": "Português", "zh": "中文",
 }  # fmt: skip
 _KIOSK_SECONDS = 20  # until the last page leads to the next person
+_KIOSK_IDLE = 300  # seconds without any action after which a participant at a kiosk has left
 _HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
     "media-src 'self' blob:; connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'",
@@ -128,6 +129,7 @@ def _shared_context() -> dict[str, object]:
         "languages": (session.survey().manifest.language, *session.survey().manifest.translations),
         "pilot": session.survey().pilot,
         "kiosk": _KIOSK_SECONDS if session.survey().kiosk else 0,
+        "idle": _KIOSK_IDLE if session.survey().kiosk else 0,
         "names_of_languages": _LANGUAGES,
         "max_characters": max_characters,
         "manifest": manifest,

@@ -23,10 +23,11 @@ Reply = Response | str | tuple[str, int]
 @pages.get("/")
 def start() -> Reply:
     """Ask for consent, or continue where the participant left off."""
-    person = session.participant()
-    if person is None:
-        return render_template("consent.html", recruit=recruitment.parameters_of(request.args))
-    return _to_current(person)
+    person, given = session.participant(), recruitment.parameters_of(request.args)
+    if person is not None and recruitment.is_someone_else(given):
+        session.use_code(codes.fresh_code())  # a second member of a panel at the same computer
+        person = None
+    return _to_current(person) if person else render_template("consent.html", recruit=given)
 
 
 @pages.post("/consent")
@@ -40,7 +41,9 @@ def consent() -> Reply:
         if person is None and not is_suitable(manifest.requirements, request.form, request.user_agent.string):
             text = "\n\n".join(filter(None, (manifest.texts.unsuitable, manifest.requirements.text)))
             return render_template("message.html", text=text)
-        return _to_current(person or _enroll())
+        person = person or _enroll()
+        recruitment.record_start()  # also where a former request enrolled, and could not write this
+        return _to_current(person)
     if person is None:
         given = recruitment.parameters_of(request.form)
         back = recruitment.way_back(survey().kit.server.declined, given)
@@ -146,7 +149,9 @@ def submit() -> Reply:
         abort(403)
     if is_open(Step(Page.REVIEW), session.progress(person)):
         survey().store.submit(person.id)
-        recruitment.record_end(person)
+        person = session.participant() or person
+    if person.submitted is not None:
+        recruitment.record_end(person)  # also where a former request submitted, and could not write this
     if not survey().kiosk or current(session.progress(person)).page < Page.REVIEW:
         return redirect(url_for(".start"), 303)
     session.use_code(codes.fresh_code())  # the computer belongs to the next person from now on
@@ -170,11 +175,7 @@ def _enroll() -> Participant:
     checks = [(check.video.code, check.after) for check in kit.manifest.checks]
     orders = {row: with_extras(order, practice, checks) for row, order in kit.orders.items()}
     versions = kit.manifest.consent.version, survey().release, kit.manifest.version
-    person = store.enroll(digest, orders, choices, *versions, session.manifest().language)
-    given = recruitment.parameters_of(request.form)
-    if given:
-        store.add_recruit(codes.recruit_digest(g.code), given)
-    return person
+    return store.enroll(digest, orders, choices, *versions, session.manifest().language)
 
 
 def _allowed(step: Step) -> Participant:

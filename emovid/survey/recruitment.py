@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from urllib.parse import quote
 
-from flask import g
+from flask import g, request
 
 from emovid.kit.study import Return
 from emovid.survey import codes
@@ -13,7 +13,7 @@ from emovid.survey.export import passed_checks
 from emovid.survey.records import Participant
 from emovid.survey.session import survey
 
-_MAX_VALUE = 200  # characters of a parameter
+_MAX_VALUE = 2000  # characters of a parameter; services use up to about 100
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,24 @@ def way_back_of(person: Participant) -> WayBack | None:
     failed = passed < asked and (server.failed.code or server.failed.link)
     given = survey().store.recruit_parameters(codes.recruit_digest(g.code))
     return way_back(server.failed if failed else server.complete, given)
+
+
+def is_someone_else(given: Mapping[str, str]) -> bool:
+    """Return whether an address names another person than the participant of this browser.
+
+    The first parameter that the study names identifies a person; others may differ when the same person returns.
+    """
+    recruitment = survey().manifest.recruitment
+    if not (recruitment and recruitment.names and given.get(recruitment.names[0])):
+        return False
+    known = survey().store.recruit_parameters(codes.recruit_digest(g.code)).get(recruitment.names[0])
+    return known is not None and known != given[recruitment.names[0]]
+
+
+def record_start() -> None:
+    """Record the parameters that the form of the first page sends, once."""
+    if given := parameters_of(request.form):
+        survey().store.add_recruit(codes.recruit_digest(g.code), given)
 
 
 def record_end(person: Participant) -> None:

@@ -10,7 +10,7 @@ import pytest
 from emovid.cli.main import main
 from emovid.kit.export import export
 from emovid.kit.folder import Kit
-from tests.helpers.tiny import make_kit_of_placeholders
+from tests.helpers.tiny import STUDY, make_kit_of_placeholders
 
 HERE = Path(__file__).parent
 JSPSYCH = sorted((HERE / "exported" / "jspsych").glob("*.csv"))
@@ -152,3 +152,35 @@ def test_answers_of_limesurvey_need_its_map(kit, tmp_path, monkeypatch, capsys) 
         assert row["confidence"] == row["valence"] == row["arousal"] == "3"
     assert main([*command[:-4], "-o", "set", "--map", str(mapping)]) == 2
     assert "--map: expected --responses" in capsys.readouterr().err
+
+
+def test_text_typed_where_the_study_offers_choices_is_not_published(tmp_path) -> None:
+    asked = (
+        '  - {name: tools, question: "Tools?", choices: ["a, b", c], several: true}\n'
+        '  - {name: age, question: "Age?", number: {low: 18, high: 99}}\nconsent:'
+    )
+    kit = make_kit_of_placeholders(tmp_path, STUDY.replace("consent:", asked, 1))
+    people = {
+        "P001": ("Woman", "a, b|c", "30", "anna@example.org"),
+        "P002": ("my name is Ben", "c", "forty, Ben", "ben@example.org"),
+        "P003": ("A2", "c|and Carl's", "31", "carl@example.org"),
+    }
+    table = tmp_path / "answers.csv"
+    with table.open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["participant", "video", "response", "gender", "tools", "age", "contact"])
+        for name, facts in people.items():
+            answers = zip(kit.manifest.codes, kit.manifest.choices.labels[int(name[-1]) :] * 2, strict=False)
+            writer.writerows([name, code, choice.label, *facts] for code, choice in answers)
+    export(kit, "psych-ds", tmp_path / "set", responses=[table])
+    found = {row["participant_id"]: (row["gender"], row["tools"], row["age"]) for row in answers_in(tmp_path / "set")}
+    assert found == {
+        "P001": ("Woman", "a, b|c", "30"),
+        "P002": ("(typed)", "c", "(typed)"),
+        "P003": ("A2", "(typed)", "31"),
+    }
+    published = "".join(path.read_text(encoding="utf-8") for path in (tmp_path / "set").rglob("*") if path.is_file())
+    assert not any(private in published for private in ("Ben", "Carl", "example.org"))
+    readme = (tmp_path / "set" / "README.md").read_text()
+    assert "- 1 answers to gender that are none of its choices, shown as (typed)" in readme
+    assert "- column contact, which differs for each participant" in readme

@@ -1,18 +1,24 @@
 """Options of studies (practice, attention checks, recruitment, languages, requirements) and of the server."""
 
 import csv
+import html
 import io
 import re
 import sqlite3
 from collections.abc import Callable
+from dataclasses import replace
+from urllib.parse import parse_qs, urlsplit
 
 import pytest
 
 from emovid.cli.main import main
 from emovid.kit.folder import Kit, open_public
+from emovid.kit.manifest import ServerKeys
+from emovid.kit.study import Recruitment, Return
 from emovid.kit.texts import TRANSLATED, Texts, words_of
 from emovid.survey import codes
 from emovid.survey.app import create_app
+from emovid.survey.database import DatabaseBusyError
 from emovid.survey.export import responses_csv
 from emovid.survey.store import Store, Withdrawal
 from tests.helpers.small_survey import STUDY, small_kit
@@ -184,6 +190,80 @@ def test_recruits_are_stored_apart_and_go_back_with_their_parameters(come, answe
     assert codes.digest(someone.cookie) in participants
     someone.post("/withdraw", code=someone.cookie)
     assert answers.recruits() == []
+
+
+@pytest.mark.parametrize("write", ["add_recruit", "end_recruit"])
+def test_a_recruit_is_recorded_by_the_next_request_where_the_database_was_locked(come, answers, write) -> None:
+    someone = come()
+    path = "/consent" if write == "add_recruit" else "/submit"
+    if path == "/submit":
+        take_part(someone, **RECRUIT)
+        answers.end_recruit(codes.recruit_digest(someone.cookie), "started")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(answers, write, busy)
+        reply = agree(someone, **RECRUIT) if path == "/consent" else someone.post(path)
+        assert (reply.status_code, reply.headers["X-Survey"]) == (503, "busy")
+    reply = agree(someone, **RECRUIT) if path == "/consent" else someone.post(path)
+    assert reply.status_code == 303
+    assert [outcome for _, outcome in answers.recruits()] == ["started" if path == "/consent" else "finished"]
+    assert len(answers.participants()) == 1
+
+
+def busy(*_: object) -> None:
+    raise DatabaseBusyError("locked")
+
+
+def test_a_second_member_of_a_panel_at_the_same_computer_is_another_participant(come, answers) -> None:
+    computer = come()
+    take_part(computer, **RECRUIT)
+    first = computer.cookie
+    assert computer.get("/", query_string=RECRUIT | {"SESSION_ID": "another"}).location == "/thanks"  # the same person
+    page = computer.get("/", query_string=RECRUIT | {"PROLIFIC_PID": "q2"}).text
+    assert "I agree" in page
+    assert computer.cookie != first
+    take_part(computer, **RECRUIT | {"PROLIFIC_PID": "q2"})
+    assert sorted(parameters["PROLIFIC_PID"] for parameters, _ in answers.recruits()) == ["p 1&x", "q2"]
+    assert computer.post("/resume", code=first).location == "/"
+
+
+ODD = [
+    "a/b?c=d&e",
+    "100 %",
+    '"><b>',
+    "{STUDY_ID}",
+    "=HYPERLINK(1)",
+    "é\u200d漢🤖",
+    "' OR 1=1 --",
+    "x" * 1500,
+    "..%2f",
+    "a\nb",
+]
+
+
+@pytest.mark.parametrize("name", ODD, ids=range(len(ODD)))
+def test_odd_names_of_a_panel_are_kept_and_come_back_as_they_were(come, answers, name) -> None:
+    someone, given = come(), RECRUIT | {"PROLIFIC_PID": name}
+    page = someone.get("/", query_string=given).text
+    assert html.unescape(re.search(r'name="PROLIFIC_PID" value="([^"]*)"', page)[1]) == name
+    take_part(someone, **given)
+    ((parameters, _),) = answers.recruits()
+    assert parameters["PROLIFIC_PID"] == name
+    link = html.unescape(re.search(r'href="(https://example[^"]*)"', someone.get("/thanks").text)[1])
+    assert parse_qs(urlsplit(link).query) == {"pid": [name]}
+
+
+def test_workers_of_mturk_return_with_their_assignment(opened, store, clock) -> None:
+    link = "https://www.mturk.com/mturk/externalSubmit?assignmentId={assignmentId}&done=yes"
+    said = opened.manifest.model_copy(update={"recruitment": Recruitment(service="mturk")})
+    kit = replace(opened, manifest=said, server=ServerKeys(complete=Return(link=link)))
+    someone = Visitor(create_app(kit, store), clock)
+    given = {"workerId": "A1", "assignmentId": "3 X&Y", "hitId": "H", "turkSubmitTo": "https://evil.example"}
+    someone.post("/consent", consent="agree", **given)
+    someone.go_through(["fear"] * 6)
+    shown = html.unescape(someone.get("/thanks").text)
+    assert "externalSubmit?assignmentId=3%20X%26Y&done=yes" in shown
+    assert "evil" not in shown
+    assert store.recruits() == [({name: given[name] for name in ("workerId", "assignmentId", "hitId")}, "finished")]
 
 
 def test_a_failed_check_and_no_consent_have_codes_of_their_own(come, answers, full) -> None:

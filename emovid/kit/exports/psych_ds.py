@@ -49,6 +49,9 @@ _NAMES = {
 }
 _ALIASES = {"order_index": _ORDER_ROW}  # of columns in exports
 _RATINGS = ("confidence", "valence", "arousal")
+_TYPED = "(typed)"  # in the place of text where the study offers choices
+_FEWEST = 3  # participants from which on a column without a repeated value identifies them
+_ANSWER_CODE = "[A-Z]{0,2}[0-9]{1,3}|[YN]"  # as survey tools export choices
 _OF_PEOPLE = (_ORDER_ROW, "consent_version", "device")  # recorded once for each participant
 _OF_ANSWERS = (*dict.fromkeys((*_RATINGS, "rt", "plays", "watched_seconds", "choices", *RECORDED)),)
 
@@ -106,8 +109,7 @@ def _published(kit: Kit, responses: Responses) -> _Data:
     """Return each answer with what was recorded, under pseudonyms and without free text."""
     answers = responses.answers.rename(columns=_NAMES)[list(_NAMES.values())].reset_index(drop=True)
     recorded = _recorded(responses).reset_index(drop=True)
-    free = [item.name for item in _questions(kit) if _is_free_text(item)]
-    groups = responses.participants.drop(columns=free, errors="ignore")
+    groups, typed = _without_free_text(responses.participants, _questions(kit))
     groups = groups.rename(columns=lambda name: f"{name} (group)" if name in (*_KNOWN, *recorded) else name)
     table = answers.join(recorded).merge(groups, left_on="participant_id", right_index=True, how="left")
     pseudonyms = _pseudonyms(kit, list(responses.participants.index))
@@ -116,8 +118,37 @@ def _published(kit: Kit, responses: Responses) -> _Data:
     removed = (
         [f"names of {hidden} participants, replaced by pseudonyms; no table of the names is kept"] if hidden else []
     )
-    removed += [f"answers to {name}, which are free text" for name in free if name in responses.participants]
-    return _Data(table, tuple(removed))
+    return _Data(table, (*removed, *typed))
+
+
+def _without_free_text(people: pd.DataFrame, questions: tuple[Question, ...]) -> tuple[pd.DataFrame, list[str]]:
+    """Return the groups of participants without what they typed or what identifies them, and a list of the removed."""
+    known = {item.name: item for item in questions}
+    kept, removed = people.copy(), []
+    for name in map(str, people):
+        cells = people[name].fillna("")
+        item, filled = known.get(name), cells[cells != ""]
+        if item is not None and _is_free_text(item):
+            kept = kept.drop(columns=name)
+            removed.append(f"answers to {name}, which are free text")
+        elif item is None and len(filled) >= _FEWEST and filled.is_unique:
+            kept = kept.drop(columns=name)
+            removed.append(f"column {name}, which differs for each participant")
+        elif item is not None:
+            typed = ~cells.map(lambda cell, asked=item: not cell or _is_given_by(str(cell), asked))
+            kept[name] = cells.mask(typed, _TYPED)
+            if typed.any():
+                removed.append(f"{typed.sum()} answers to {name} that are none of its choices, shown as {_TYPED}")
+    return kept, removed
+
+
+def _is_given_by(cell: str, question: Question) -> bool:
+    """Return whether a cell is an answer that a question offers, or the code of one."""
+    if question.number:
+        return re.fullmatch(r"[+-]?[0-9]+([.]0*)?", cell) is not None
+    choices = question.choices or ()
+    parts = cell.split("|") if question.several else [cell]
+    return all(part in choices or re.fullmatch(_ANSWER_CODE, part) for part in parts)
 
 
 def _questions(kit: Kit) -> tuple[Question, ...]:

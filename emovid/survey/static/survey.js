@@ -110,6 +110,18 @@ function followLinks() {
   }
 }
 
+/** At a kiosk, forget a participant who has left, and show the first page to the next person. */
+function leaveWhenIdle() {
+  let timer = null;
+  const restart = () => {
+    const form = byId("leave");
+    clearTimeout(timer);
+    if (form) timer = setTimeout(() => form.requestSubmit(), 1000 * Number(form.dataset.seconds));
+  };
+  for (const name of ["pointerdown", "pointermove", "keydown", "scroll", "timeupdate"]) document.addEventListener(name, restart, true);
+  restart();
+}
+
 function device() {
   if (!window.matchMedia("(pointer: coarse)").matches) return "desktop";
   return Math.min(window.screen.width, window.screen.height) < 600 ? "phone" : "tablet";
@@ -131,3 +143,4 @@ document.addEventListener("input", (event) => {
 window.addEventListener("beforeunload", (event) => { if (unsent) event.preventDefault(); });
 window.addEventListener("pageshow", (event) => { if (event.persisted) window.location.reload(); }); // as the server has it
 document.addEventListener("DOMContentLoaded", activate);
+document.addEventListener("DOMContentLoaded", leaveWhenIdle);
