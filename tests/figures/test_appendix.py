@@ -43,7 +43,7 @@ from emovid.swarm.voronoi import voronoi_cells
 
 
 def sharpness(points: np.ndarray, length: float = 0.01) -> float:
-    """Return how far a trace (P, 2) [m] turns within `length` [m] of it, where it turns most [rad]."""
+    """Return the largest turn [rad] of a trace (P, 2) [m] within a `length` [m]."""
     steps = np.diff(points, axis=0)
     moved = np.hypot(*steps.T) > 0
     angle = np.unwrap(np.arctan2(steps[moved, 1], steps[moved, 0]))
@@ -61,7 +61,7 @@ def discs(axes: Axes, name: str) -> list[np.ndarray]:
 
 
 def arrows(axes: Axes, colour: tuple[float, ...] | None = None) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return tail and tip of each straight arrow, of a colour if one is given."""
+    """Return tail and tip of each straight arrow, optionally only of one color."""
     found = [patch for patch in axes.patches if isinstance(patch, FancyArrowPatch)]
     return [
         tuple(np.array(end) for end in patch._posA_posB)
@@ -70,7 +70,7 @@ def arrows(axes: Axes, colour: tuple[float, ...] | None = None) -> list[tuple[np
     ]
 
 
-# --- the robot -------------------------------------------------------------------------------------------------------
+# --- the robot --------------------------------------------------------------------------------------------------------
 
 
 def test_the_robot_has_the_dimensions_of_its_model() -> None:
@@ -86,7 +86,7 @@ def test_the_robot_has_the_dimensions_of_its_model() -> None:
     assert all(any(length == pytest.approx(known) for length in lengths) for known in (100, 105, 32))
 
 
-# --- the diffeomorphism ----------------------------------------------------------------------------------------------
+# --- the diffeomorphism -----------------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -94,7 +94,7 @@ def happiness(make_scene):
     return simulate(make_scene("happiness", {"duration": 3}))
 
 
-def test_the_step_that_is_drawn_is_one_of_the_run(happiness) -> None:
+def test_drawn_step_occurs_in_the_run(happiness) -> None:
     pose, command = clearest_step(happiness)
     k, robot = np.argwhere((happiness.poses[:-1] == pose).all(axis=-1))[0]
     assert np.array_equal(happiness.commands[k, robot], command)
@@ -102,7 +102,7 @@ def test_the_step_that_is_drawn_is_one_of_the_run(happiness) -> None:
     assert command[1] != 0
 
 
-def test_no_step_of_robots_that_do_not_steer_or_move_is_drawn(make_scene) -> None:
+def test_no_step_is_drawn_for_robots_without_steering_or_motion(make_scene) -> None:
     points = simulate(make_scene("sadness", {"robot.model": "single_integrator", "duration": 0.1}))
     unicycles = simulate(make_scene("sadness", {"duration": 0.1}))
     for run in (points, replace(unicycles, commands=0 * unicycles.commands)):
@@ -129,7 +129,7 @@ def test_the_velocity_of_the_look_ahead_point_is_drawn_with_its_parts(turn) -> N
     assert {"$p$", r"$\tilde{p}$", "$l$", r"$\theta$", "$K u$", "$u$", "$v$", r"$\omega$"} <= set(words(figure))
 
 
-# --- its effect ------------------------------------------------------------------------------------------------------
+# --- its effect -------------------------------------------------------------------------------------------------------
 
 
 def strays(points: np.ndarray, path: np.ndarray) -> np.ndarray:
@@ -140,7 +140,7 @@ def strays(points: np.ndarray, path: np.ndarray) -> np.ndarray:
     return np.hypot(*np.moveaxis(points[:, None] - nearest, -1, 0)).min(axis=1)
 
 
-def test_commands_held_for_long_make_an_angular_trace_at_the_angularity_of_the_scenes() -> None:
+def test_long_control_periods_give_angular_traces_like_those_of_the_scenes() -> None:
     smooth, angular = follow(PATH, SMALL_L), follow(PATH, ANGULAR_L, angular=True)
     assert (smooth.angularity, angular.angularity) == pytest.approx((0.53, 4.6), rel=0.02)
     assert sharpness(angular.poses[:, :2]) > 3 * sharpness(smooth.poses[:, :2])
@@ -166,13 +166,13 @@ def test_a_robot_starts_on_the_path_and_arrives_at_its_end() -> None:
         assert np.linalg.norm(look_ahead(poses[-1:], l or 0)[0] - PATH[-1]) < 0.02
 
 
-def test_distances_from_a_path_are_those_from_its_nearest_edge() -> None:
+def test_distance_from_a_path_is_to_its_nearest_edge() -> None:
     path = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]])
     points = np.array([[1.0, 0.5], [3.0, 0.5], [-3.0, 4.0], [2.0, 1.0], [1.9, 0.2]])
     assert strays(points, path) == pytest.approx([0.5, 1.0, 5.0, 0.0, 0.1])
 
 
-def test_sharpness_is_known_of_a_circle_and_of_a_corner() -> None:
+def test_sharpness_of_a_circle_and_a_corner_by_hand() -> None:
     angle = np.linspace(0, np.pi, 2001)
     circle = 0.05 * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     assert sharpness(circle) == pytest.approx(0.01 / 0.05, rel=0.01)
@@ -181,7 +181,7 @@ def test_sharpness_is_known_of_a_circle_and_of_a_corner() -> None:
     assert sharpness(corner) == pytest.approx(np.pi / 2)
 
 
-def test_the_runs_stand_one_above_the_other_over_the_same_path() -> None:
+def test_runs_are_stacked_over_the_same_path() -> None:
     figure = following_figure([follow(PATH, l) for l in (None, SMALL_L, LARGE_L)])
     assert [word for word in words(figure) if word] == [
         "single integrator",
@@ -197,7 +197,7 @@ def test_the_runs_stand_one_above_the_other_over_the_same_path() -> None:
         assert path.get_linestyle() == "--"
 
 
-# --- shapes and densities --------------------------------------------------------------------------------------------
+# --- shapes and densities ---------------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -236,19 +236,19 @@ def test_surprise_is_shown_at_both_radii(round_runs) -> None:
     assert contours[1].min() == pytest.approx(contours[1].max())
 
 
-def test_only_arrows_too_short_to_be_seen_are_enlarged(round_runs) -> None:
+def test_only_arrows_too_short_to_see_are_enlarged(round_runs) -> None:
     insets = [len(axes.child_axes) for axes in shapes_figure(round_runs, [2, 2, 2]).axes]
     assert insets == [0, 0, 1]
 
 
-def test_robots_that_never_come_to_rest_are_drawn_after_the_last_step(make_scene, monkeypatch) -> None:
+def test_robots_that_never_converge_are_drawn_after_the_last_step(make_scene, monkeypatch) -> None:
     scene = make_scene("anger")
     start = start_poses(scene, np.random.default_rng(scene.seed))[:, :2]
     monkeypatch.setattr(control_laws, "_MAX_STEPS", 2)
     assert converged(scene) == pytest.approx(centroids(scene, centroids(scene, start)))
 
 
-def test_a_density_has_no_contour_to_be_drawn(make_scene) -> None:
+def test_contour_figure_refuses_a_density(make_scene) -> None:
     with pytest.raises(ValueError, match="a coverage behaviour has no contour"):
         shapes_figure([simulate(make_scene("fear", {"duration": 0.5}))], [0.0])
 
@@ -263,7 +263,7 @@ def test_converged_robots_are_at_the_centroids_of_their_cells(make_scene) -> Non
         converged(make_scene("happiness", {"start": {"place": "stage"}}))
 
 
-def test_densities_are_dark_where_they_are_high(make_scene) -> None:
+def test_high_densities_are_dark(make_scene) -> None:
     maps = {name: density_map(make_scene(name), 100) for name in ("anger", "disgust", "fear")}
     assert all(shares.shape == (80, 120) and shares.max() == pytest.approx(1, abs=0.01) for shares in maps.values())
     assert (maps["fear"] == 1).all()
@@ -277,7 +277,7 @@ def test_densities_are_dark_where_they_are_high(make_scene) -> None:
     assert light[0] > light[-1] + 0.5
 
 
-def test_robots_on_a_density_have_their_stated_positions(make_scene) -> None:
+def test_robots_on_a_density_are_drawn_at_their_stated_positions(make_scene) -> None:
     points = np.array([[0.1, 0.2], [-0.3, 0.0]])
     figure = densities_figure([make_scene("fear")], [points])
     (drawn,) = discs(figure.axes[0], "robots")
@@ -285,10 +285,10 @@ def test_robots_on_a_density_have_their_stated_positions(make_scene) -> None:
     assert words(figure) == ["Fear"]
 
 
-# --- interactions ----------------------------------------------------------------------------------------------------
+# --- interactions -----------------------------------------------------------------------------------------------------
 
 
-def test_neighbours_are_those_of_a_voronoi_diagram_with_mirrored_robots(make_scene) -> None:
+def test_neighbors_agree_with_a_voronoi_diagram_with_mirrored_robots(make_scene) -> None:
     stage = make_scene("fear").stage
     points = np.random.default_rng(5).uniform([-0.55, -0.35], [0.55, 0.35], (20, 2))
     mirrored = [
@@ -301,7 +301,7 @@ def test_neighbours_are_those_of_a_voronoi_diagram_with_mirrored_robots(make_sce
     assert {tuple(pair) for pair in found.tolist()} == expected
 
 
-def test_contours_exchange_nothing_and_coverage_needs_its_neighbours(make_scene) -> None:
+def test_contours_need_no_communication_and_coverage_needs_neighbors(make_scene) -> None:
     runs = [simulate(make_scene(name, {"duration": 2})) for name in ("happiness", "fear")]
     figure = interaction_figure(runs, [1, 1], ["a ring", "a scatter"])
     lines = [

@@ -1,4 +1,4 @@
-"""What holds for every figure: all are made, in all formats, to the same bytes, in one style."""
+"""Properties of every figure: all formats, reproducible bytes, and one style."""
 
 import importlib
 import os
@@ -42,7 +42,7 @@ def material() -> Material:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
-    """Make all figures in all formats in a process of its own, under settings that would show."""
+    """Make all figures in all formats in a separate process, with user settings that would be visible."""
     place = tmp_path_factory.mktemp("figures")
     (place / "matplotlibrc").write_text("font.size: 17\naxes.linewidth: 5\npath.snap: False\n")
     environment = os.environ | {"PYTHONHASHSEED": "1", "SOURCE_DATE_EPOCH": "1"}
@@ -80,7 +80,7 @@ def test_a_pdf_has_the_width_of_its_style_and_embeds_truetype_of_8_points(name, 
 
 
 @pytest.mark.parametrize("name", DRAWN)
-def test_only_densities_have_pixels(name, folder) -> None:
+def test_only_density_figures_contain_raster_images(name, folder) -> None:
     pdf = (folder / f"{name}.pdf").read_bytes()
     assert (b"/Subtype /Image" in pdf) == (name in OF_PIXELS)
     svg = (folder / f"{name}.svg").read_text()
@@ -125,7 +125,7 @@ def test_text_is_readable_in_both_widths(name, style, material) -> None:
         assert not box.shrunk(0.9, 0.9).overlaps(its.shrunk(0.9, 0.9)), (one.get_text(), other.get_text())
 
 
-def test_a_table_of_text_is_not_drawn(material) -> None:
+def test_text_tables_are_not_drawn(material) -> None:
     with pytest.raises(ValueError, match="attributes is a table of text"):
         CATALOGUE["attributes"].figure(material)
     assert CATALOGUE["attributes"].formats == ("tex", "md", "html")
@@ -142,7 +142,7 @@ def test_names_numbers_and_captions_are_those_of_the_paper() -> None:
         assert CATALOGUE[f"{emotion}-frames"].paper == f"Fig. {number}"
 
 
-def test_the_page_on_figures_says_for_each_how_to_make_it_and_what_makes_it() -> None:
+def test_figures_page_lists_command_and_function_of_each_figure() -> None:
     page = (ROOT / "docs" / "figures.md").read_text()
     rows = re.findall(
         r"^\| [^|]+ \| ([^|]+) \| `emovid figures ([^`]+)` \| `([^`]+)`: `([^`]+)` \|$", page, re.MULTILINE
@@ -161,7 +161,7 @@ def test_the_page_on_figures_says_for_each_how_to_make_it_and_what_makes_it() ->
         assert callable(getattr(importlib.import_module(path.removesuffix(".py").replace("/", ".")), function))
 
 
-def test_material_is_made_once(monkeypatch) -> None:
+def test_inputs_of_figures_are_computed_once(monkeypatch) -> None:
     made = []
     monkeypatch.setattr("emovid.figures.run_cache.simulate", lambda scene: made.append(scene) or simulate(scene))
     material = Material(
@@ -173,7 +173,7 @@ def test_material_is_made_once(monkeypatch) -> None:
     assert made == [material.scene("fear"), "x"]
 
 
-def test_a_study_without_a_group_or_with_other_labels_says_so(material) -> None:
+def test_missing_group_or_other_labels_are_reported(material) -> None:
     results = replace(material.table(STUDY), groups={}, emotions=("awe",))
     other = Material(tables={STUDY: lambda _: results})
     with pytest.raises(InputError, match="the study has no group gender; its groups: none"):

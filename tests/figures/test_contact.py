@@ -16,14 +16,14 @@ def saved(figure) -> np.ndarray:
 
 
 def places(sheet: np.ndarray, picture: np.ndarray) -> list[tuple[int, int]]:
-    """Return where a picture stands in a sheet, pixel by pixel (row, column)."""
+    """Return the (row, column) of all pixels of a picture in a sheet."""
     height, width = picture.shape[:2]
     corners = np.argwhere((sheet[: -height + 1, : -width + 1] == picture[0, 0]).all(axis=-1))
     return [(y, x) for y, x in corners.tolist() if np.array_equal(sheet[y : y + height, x : x + width], picture)]
 
 
 @pytest.mark.parametrize("labelled", [True, False])
-def test_each_picture_is_in_its_place_to_the_pixel(labelled) -> None:
+def test_each_picture_is_placed_exactly(labelled) -> None:
     pictures = RNG.integers(0, 256, (2, 3, 90, 160, 3), np.uint8)
     labels = {"rows": ["anger", "fear"], "columns": ["1", "2", "3"], "row_title": "scene", "column_title": "seed"}
     sheet = saved(contact_figure(pictures, **labels if labelled else {"captions": [f"seed {i}" for i in range(6)]}))

@@ -74,7 +74,7 @@ def labels(count: int) -> list[str]:
 
 
 def texts(figure: Figure) -> list[Text]:
-    """Return what is written in a figure."""
+    """Return the texts of a figure."""
     with in_style():
         figure.draw_without_rendering()  # places the ticks
     return [text for text in figure.findobj(Text) if text.get_visible() and text.get_text()]
@@ -104,7 +104,7 @@ def test_a_figure_saved_twice_has_the_same_bytes(figure, format) -> None:
 
 
 @pytest.mark.parametrize("figure", FIGURES)
-def test_the_users_settings_change_nothing_and_stay(figure) -> None:
+def test_user_matplotlib_settings_have_no_effect_and_are_restored(figure) -> None:
     plain = [encoded(figure(), format) for format in FORMATS]
     theirs = {
         "font.size": 20,
@@ -125,7 +125,7 @@ def test_the_users_settings_change_nothing_and_stay(figure) -> None:
         assert {key: matplotlib.rcParams[key] for key in theirs} == theirs
 
 
-def test_two_runs_give_the_same_bytes(tmp_path) -> None:
+def test_two_processes_give_the_same_bytes(tmp_path) -> None:
     script = (
         "import sys; from pathlib import Path; sys.path.insert(0, sys.argv[1])\n"
         "from tests.figures import test_figures as t\n"
@@ -169,14 +169,14 @@ def test_svg_has_no_date() -> None:
 
 
 @pytest.mark.parametrize("figure", FIGURES)
-def test_all_text_is_8_points_in_the_font_that_matplotlib_brings(figure) -> None:
+def test_all_text_is_8_points_in_the_bundled_font(figure) -> None:
     for text in texts(figure()):
         assert text.get_fontsize() == 8.0
         assert Path(findfont(text.get_fontproperties())).is_relative_to(matplotlib.get_data_path())
 
 
 @pytest.mark.parametrize("figure", FIGURES)
-def test_nothing_written_leaves_the_page_or_covers_other_text(figure) -> None:
+def test_text_stays_on_the_page_and_does_not_overlap(figure) -> None:
     drawn = figure()
     written = texts(drawn)
     renderer = FigureCanvasAgg(drawn).get_renderer()
@@ -189,7 +189,7 @@ def test_nothing_written_leaves_the_page_or_covers_other_text(figure) -> None:
     assert not any(one.shrunk(0.9, 0.9).overlaps(other.shrunk(0.9, 0.9)) for one, other in combinations(upright, 2))
 
 
-def test_save_writes_what_the_name_says_and_nothing_else(tmp_path) -> None:
+def test_save_writes_the_format_of_the_suffix_and_refuses_others(tmp_path) -> None:
     for name in ("a.pdf", "a.PNG", "a.svg", "a.eps"):
         save(confusion(), tmp_path / name)
         assert (tmp_path / name).read_bytes() == encoded(confusion(), name[2:].lower())
@@ -198,12 +198,12 @@ def test_save_writes_what_the_name_says_and_nothing_else(tmp_path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.PNG", "a.eps", "a.pdf", "a.svg"]
 
 
-def test_a_signal_while_matplotlib_draws_is_no_error_of_matplotlib_s() -> None:
+def test_signal_during_drawing_is_not_reported_as_a_matplotlib_error() -> None:
     class Interrupted(Artist):
         def draw(self, _) -> None:
             try:
                 signal.raise_signal(signal.SIGTERM)
-            except SystemExit:  # as a compiled part would
+            except SystemExit:  # as compiled code would
                 raise ValueError from None
 
     def end(*_):
@@ -219,7 +219,7 @@ def test_a_signal_while_matplotlib_draws_is_no_error_of_matplotlib_s() -> None:
         signal.signal(signal.SIGTERM, before)
 
 
-def test_in_style_gives_the_settings_back_after_an_error() -> None:
+def test_in_style_restores_settings_after_an_error() -> None:
     before = dict(matplotlib.rcParams)
     with pytest.raises(ZeroDivisionError), in_style():
         raise ZeroDivisionError
@@ -233,24 +233,24 @@ def lightness(colour: str) -> float:
     return 116 * np.cbrt(linear @ [0.2126, 0.7152, 0.0722]) - 16
 
 
-def test_emotions_differ_in_grey() -> None:
+def test_emotion_colors_differ_in_grayscale() -> None:
     grey = np.sort([lightness(colour) for colour in EMOTION_COLOURS.values()])
     assert np.diff(grey).min() > 10
 
 
 @pytest.mark.parametrize("colour", [*EMOTION_COLOURS.values(), "#ffffff", "#000000", "#777777"])
-def test_text_on_a_colour_is_readable(colour) -> None:
+def test_text_on_colors_has_sufficient_contrast(colour) -> None:
     luminance = [((lightness(name) + 16) / 116) ** 3 + 0.05 for name in (colour, text_on(colour))]
     assert max(luminance) / min(luminance) > 4  # 4.5 is WCAG's AA for text of any size, 3 for large text
 
 
-def test_colours_of_other_labels_differ_and_none_is_grey() -> None:
+def test_colors_of_custom_labels_are_distinct_and_not_gray() -> None:
     colours = label_colours([*labels(12), "none"])
     assert len(set(colours.values())) == 13
     assert label_colours([*EMOTIONS, "none"]) == EMOTION_COLOURS | {"none": colours["none"]}
 
 
-def test_confusion_says_what_table_iii_says() -> None:
+def test_confusion_figure_matches_table_iii() -> None:
     said = words(confusion())
     cells = [f"{count / 45:.2%}\n({count})".replace("%", "") for count in COUNTS.flat]
     assert [word for word in said if word[0].isdigit()] == cells
@@ -259,7 +259,7 @@ def test_confusion_says_what_table_iii_says() -> None:
         assert said.count(emotion.capitalize()) == 2
 
 
-def test_confusion_has_a_bold_diagonal_and_nothing_else_bold() -> None:
+def test_only_the_confusion_diagonal_is_bold() -> None:
     figure = confusion_figure(NONE_TOO, EMOTIONS, [*EMOTIONS, "none"])
     cells = [text for text in texts(figure) if text.get_text()[0].isdigit()]
     bold = np.array([text.get_weight() == "bold" for text in cells]).reshape(7, 6)
@@ -280,8 +280,8 @@ def test_confusion_is_drawn_with_rows_perceived_from_the_top() -> None:
     assert sum(word == "–\n(0)" for word in words(figure)) == 6  # nobody answered the other two videos
 
 
-def test_a_study_has_the_figures_that_its_results_allow() -> None:
-    # Emotions that have no place on the circumplex, and a group that nobody is in.
+def test_study_figures_depend_on_the_available_results() -> None:
+    # Emotions without a position on the circumplex, and a group without participants.
     counts = np.array([[3, 1], [1, 3]])
     data = FigureData(counts, ("joy", "awe"), ("joy", "awe"), {"age": {}})
     assert list(study_figures(data)) == ["confusion-matrix"]
@@ -308,7 +308,7 @@ def test_any_number_of_labels_is_drawn(count) -> None:
 
 
 @pytest.mark.parametrize("label", ["$x$ & $y$", "<b>", "Überraschung", "грусть", "a_b^c", "=1+1"])
-def test_labels_are_drawn_as_they_are(label) -> None:
+def test_labels_are_drawn_verbatim(label) -> None:
     figure = confusion_figure(np.eye(2, dtype=int), [label, "other"])
     assert label[:1].upper() + label[1:] in words(figure)
     for format in FORMATS:
@@ -331,7 +331,7 @@ def test_bubbles_have_diameters_proportional_to_the_answers() -> None:
     given = [count for column in COUNTS.T for count in sorted(column, reverse=True) if count]
     per_answer = np.array([2 * bubble.radius for bubble in drawn]) / given
     assert per_answer == pytest.approx(per_answer[0])
-    assert per_answer[0] > 1.1  # points: the smallest can be seen, the larger hold their number
+    assert per_answer[0] > 1.1  # points: the smallest is visible, the larger contain their number
 
 
 def test_bubbles_may_have_areas_proportional_to_the_answers() -> None:
@@ -341,7 +341,7 @@ def test_bubbles_may_have_areas_proportional_to_the_answers() -> None:
     assert per_answer == pytest.approx(per_answer[0])
 
 
-def test_bubbles_have_the_colours_of_the_answers_and_crosses_those_of_the_videos() -> None:
+def test_bubbles_have_the_colors_of_the_answers_and_crosses_those_of_the_videos() -> None:
     figure = circumplex()
     order = [np.argsort(-column, kind="stable")[: np.count_nonzero(column)] for column in COUNTS.T]
     expected = [to_rgb(EMOTION_COLOURS[EMOTIONS[answer]]) for answers in order for answer in answers]
@@ -353,7 +353,7 @@ def test_bubbles_have_the_colours_of_the_answers_and_crosses_those_of_the_videos
     assert places / np.linalg.norm(places[0]) == pytest.approx(expected_places)
 
 
-def test_bubbles_do_not_meet_and_stay_on_the_page() -> None:
+def test_bubbles_do_not_overlap_and_stay_on_the_page() -> None:
     for counts, answers in ((COUNTS, EMOTIONS), (NONE_TOO, (*EMOTIONS, "none"))):
         figure = circumplex_figure(counts, EMOTIONS, answers)
         axes = figure.axes[0]
@@ -366,7 +366,7 @@ def test_bubbles_do_not_meet_and_stay_on_the_page() -> None:
         assert np.diff(axes.get_ylim()) == pytest.approx(figure.get_figheight() * 72)
 
 
-def test_emotions_at_one_place_still_have_their_bubbles() -> None:
+def test_emotions_at_one_position_keep_visible_bubbles() -> None:
     here = dict.fromkeys(EMOTIONS, Position(0.5, 0.5, "made up"))
     drawn = bubbles(circumplex_figure(COUNTS, EMOTIONS, positions=here))
     assert min(bubble.radius for bubble in drawn) > 0.5
@@ -380,19 +380,19 @@ def test_a_video_without_answers_has_a_cross_and_a_name() -> None:
     assert len(bubbles(figure)) == np.count_nonzero(counts)
 
 
-def test_default_positions_have_sources_and_the_order_of_table_iii() -> None:
+def test_default_positions_have_sources_and_follow_table_iii() -> None:
     assert all(re.search("Russell", position.source) for position in POSITIONS.values())
     angles = [np.arctan2(POSITIONS[emotion].arousal, POSITIONS[emotion].valence) % (2 * np.pi) for emotion in EMOTIONS]
     assert angles == sorted(angles)
 
 
-def test_fan_keeps_what_is_apart_and_pushes_the_rest_apart_evenly() -> None:
+def test_fan_keeps_separate_angles_and_spreads_close_ones_evenly() -> None:
     assert fan(np.array([0.0, 2.0, 4.0]), 0.5) == pytest.approx([0, 2, 4])
     assert fan(np.array([1.0, 1.2]), 0.5) == pytest.approx([0.85, 1.35])
     assert np.diff(fan(np.zeros(12), 1.0)) == pytest.approx(2 * np.pi / 12, abs=1e-3)
 
 
-def test_bars_are_as_high_as_the_rates_with_intervals_and_chance() -> None:
+def test_bars_show_rates_with_intervals_and_chance_level() -> None:
     figure = accuracy()
     axes = figure.axes[0]
     bars = [bar for bar in axes.patches if isinstance(bar, Rectangle)]
@@ -403,7 +403,9 @@ def test_bars_are_as_high_as_the_rates_with_intervals_and_chance() -> None:
     assert spans[:, 1, 1] == pytest.approx(100 * RATES.ravel() + 20)
     centres = [bar.get_x() + bar.get_width() / 2 for bar in bars]
     assert spans[:, 0, 0] == pytest.approx(centres)
-    assert np.sort(centres)[::2] == pytest.approx(np.arange(6) - 0.2)  # one group's bars left of the other's
+    assert np.sort(centres)[::2] == pytest.approx(
+        np.arange(6) - 0.2
+    )  # the bars of one group are to the left of the other's
     (chance,) = [line for line in axes.lines if line.get_linestyle() == "--"]
     assert chance.get_ydata() == pytest.approx([100 / 6] * 2)
     assert {*LEVELS, "chance", "Accuracy (%)", *(emotion.capitalize() for emotion in EMOTIONS)} <= set(words(figure))
@@ -427,7 +429,7 @@ def test_a_group_without_answers_has_neither_bar_nor_interval() -> None:
     "levels", [LEVELS, [f"{which} {'who have worked with robots for a while ' * 5}" for which in LEVELS]]
 )
 @pytest.mark.parametrize("emotions", [EMOTIONS, [f"an emotion with a long name such as {k}" for k in range(6)]])
-def test_however_long_names_are_all_of_them_can_be_read_and_bars_keep_their_size(levels, emotions) -> None:
+def test_long_names_are_readable_and_bars_keep_their_size(levels, emotions) -> None:
     plain, figure = accuracy(), accuracy_figure(RATES, RATES - 0.2, RATES + 0.2, emotions, levels, 1 / 6)
     page = figure.bbox
     for text in texts(figure):
@@ -438,7 +440,7 @@ def test_however_long_names_are_all_of_them_can_be_read_and_bars_keep_their_size
     assert figure.axes[0].bbox.width > 0.95 * plain.axes[0].bbox.width
 
 
-def test_rates_of_none_and_all_have_bars_and_intervals() -> None:
+def test_rates_of_zero_and_one_have_bars_and_intervals() -> None:
     rates = np.array([[0.0, 1.0]])
     figure = accuracy_figure(rates, np.array([[1e-17, 0.8]]), np.array([[0.2, 1 - 1e-16]]), labels(2), ["all"], 0.5)
     assert encoded(figure, "png")

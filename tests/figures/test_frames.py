@@ -36,7 +36,7 @@ def words(figure: Figure) -> list[str]:
     return [text.get_text() for text in figure.findobj(Text) if text.get_text()]
 
 
-def test_every_robot_is_drawn_where_it_is_and_heads_where_it_does(run) -> None:
+def test_every_robot_is_drawn_with_its_position_and_heading(run) -> None:
     figure = frames_figure(run, TIMES)
     for axes, t in zip(figure.axes, TIMES, strict=True):
         poses = run.at(np.array([t]))[0]
@@ -49,7 +49,7 @@ def test_every_robot_is_drawn_where_it_is_and_heads_where_it_does(run) -> None:
     assert [word for word in words(figure) if "$t$" in word] == ["(a) $t$ = 0 s", "(b) $t$ = 0.7 s", "(c) $t$ = 2.5 s"]
 
 
-def test_five_robots_have_trails_from_their_starts_to_where_they_are(run) -> None:
+def test_five_robots_have_trails_from_start_to_current_position(run) -> None:
     figure = frames_figure(run, TIMES)
     assert trails(figure.axes[0]) == []
     robots = trailed_robots(run.poses[0], 5)
@@ -63,13 +63,13 @@ def test_five_robots_have_trails_from_their_starts_to_where_they_are(run) -> Non
 
 
 def lines_of(run: Trajectory, robots: list[int], until: float, tolerance: float) -> list[np.ndarray]:
-    """Return the whole trails of robots, of pieces joined."""
+    """Return the complete trails of robots, from joined pieces."""
     trails = Trails(run, np.array(robots), tolerance)
     made = [trails.pieces(span) for span in spans(run.scene.video.trails, until)]
     return [np.concatenate([piece.line for piece in pieces]) for pieces in zip(*made, strict=True)]
 
 
-def test_pieces_joined_are_the_trace_of_the_robot(run) -> None:
+def test_joined_trail_pieces_equal_the_trace_of_the_robot(run) -> None:
     _, trace = run.trace(4, 1e-5)
     joined = lines_of(run, [4], 3, 1e-5)[0]
     assert all(np.abs(joined - point).sum(axis=1).min() < 1e-12 for point in trace)
@@ -79,20 +79,20 @@ def test_pieces_joined_are_the_trace_of_the_robot(run) -> None:
     assert part_of_it[[0, -1]] == pytest.approx(run.at(np.array([0.4, 1.3]))[:, 4, :2])
 
 
-def test_pieces_hold_no_point_twice(run) -> None:
-    # Commands of fear change at whole seconds, where pieces end; the last point but one says where a line comes from.
+def test_trail_pieces_have_no_repeated_points(run) -> None:
+    # Commands of fear change at whole seconds, where pieces end; the second to last point gives a line its direction.
     trails = Trails(run, np.array([0, 7]), 1e-4)
     for span in spans(run.scene.video.trails, 2.75):
         for piece in trails.pieces(span):
             assert np.hypot(*np.diff(piece.line, axis=0).T).min() > 1e-9
 
 
-def test_times_are_written_to_the_millisecond(run) -> None:
+def test_times_are_labeled_to_the_millisecond(run) -> None:
     assert words(frames_figure(run, [0, 1 / 3, 2.125])) == ["(a) $t$ = 0 s", "(b) $t$ = 0.333 s", "(c) $t$ = 2.125 s"]
     assert words(frames_figure(run, [0.5])) == ["$t$ = 0.5 s"]
 
 
-def test_robots_have_the_colours_of_their_trails(run) -> None:
+def test_robots_have_the_colors_of_their_trails(run) -> None:
     axes = frames_figure(run, TIMES).axes[-1]
     bodies = [to_hex(colour) for colour in part(axes, "body").get_facecolor()]
     (lines,) = [drawn for drawn in axes.collections if isinstance(drawn, LineCollection)]
@@ -102,7 +102,7 @@ def test_robots_have_the_colours_of_their_trails(run) -> None:
     assert len(set(bodies)) == 6
 
 
-def test_a_dark_stage_is_printed_dark_and_a_light_one_as_white_as_the_paper(make_scene) -> None:
+def test_dark_stage_is_filled_and_light_stage_is_left_white(make_scene) -> None:
     keys = {"duration": 1, "robots": 3, "video.colours.body": "#112233"}
     for theme, face, rim in (("light", None, "#ffffff"), ("dark", "#1b1d22", "#1b1d22")):
         axes = frames_figure(simulate(make_scene("fear", keys | {"video.theme": theme})), [1]).axes[0]
@@ -116,7 +116,7 @@ def test_a_dark_stage_is_printed_dark_and_a_light_one_as_white_as_the_paper(make
     assert to_hex(stage.get_facecolor()) == "#ffeecc"
 
 
-def test_the_scene_says_how_many_robots_leave_trails_and_how_long_these_stay(make_scene) -> None:
+def test_number_and_duration_of_trails_follow_the_scene(make_scene) -> None:
     look = {"video.trails.robots": 2, "video.trails.seconds": 0.5, "video.trails.fade": False}
     run = simulate(make_scene("fear", {"duration": 3} | look))
     lines, robots = trails(frames_figure(run, [2.75]).axes[0]), trailed_robots(run.poses[0], 2)
@@ -131,7 +131,7 @@ def test_a_time_outside_the_run_is_refused(run) -> None:
 
 
 @pytest.mark.parametrize(("width", "rows"), [(DOUBLE_COLUMN, 1), (SINGLE_COLUMN, 3)])
-def test_panels_have_equal_scales_and_stand_apart(run, width, rows) -> None:
+def test_panels_have_equal_scales_and_do_not_overlap(run, width, rows) -> None:
     figure = frames_figure(run, TIMES, width=width)
     boxes = [axes.get_position() for axes in figure.axes]
     assert len({round(box.y0, 6) for box in boxes}) == rows

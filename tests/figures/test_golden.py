@@ -1,4 +1,4 @@
-"""Every figure looks as it did when it was last accepted; `make golden` accepts them as they are now."""
+"""Every figure matches its accepted image; `make golden` accepts the current figures."""
 
 from pathlib import Path
 
@@ -35,7 +35,7 @@ def material() -> GoldenMaterial:
 
 
 def check(name: str, drawn: np.ndarray, golden: np.ndarray, folder: Path) -> None:
-    """Fail, and leave a picture of what differs, unless a figure looks like its golden image."""
+    """Fail and write a picture of the differences unless a figure matches its golden image."""
     alike = drawn.shape == golden.shape and np.abs(differences(drawn, golden)).max() <= TOLERANCE
     if not alike:
         shown = folder / f"{name}-difference.png"
@@ -48,26 +48,28 @@ def golden_image(name: str) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", DRAWN)
-def test_a_figure_looks_as_it_did(name, material, tmp_path) -> None:
+def test_figure_matches_its_golden_image(name, material, tmp_path) -> None:
     check(name, small(CATALOGUE[name], material), golden_image(name), tmp_path)
 
 
-def test_there_is_one_small_image_for_each_figure_and_one_run_for_each_scene_of_coverage(material) -> None:
+def test_golden_folder_has_one_image_per_figure_and_one_run_per_coverage_scene(material) -> None:
     runs = {stored_run(name) for name in SCENES if material.is_stored(name)}
     assert set(FOLDER.iterdir()) == runs | {image_of(name) for name in DRAWN}
     assert sum(path.stat().st_size for path in FOLDER.iterdir()) < 1_000_000
 
 
-def test_stored_runs_are_those_of_the_scenes_as_they_ship(material) -> None:
+def test_stored_runs_match_the_shipped_scenes(material) -> None:
     for name in filter(material.is_stored, SCENES):
         scene, stored, t = load_scene(name), load_trajectory(stored_run(name)), np.linspace(0, 1, 11)
         assert scene_text(stored.scene) == scene_text(scene), f"{name}: run make golden"
-        now = simulate(scene.model_copy(update={"duration": 1.5}))  # the last, shorter period is cut otherwise
+        now = simulate(
+            scene.model_copy(update={"duration": 1.5})
+        )  # the shorter last period limits the commands differently
         assert stored.at(t)[..., :2] == pytest.approx(now.at(t)[..., :2], abs=ALIKE), f"{name}: run make golden"
 
 
 @pytest.mark.parametrize("name", ["sadness-frames", "robotarium-perspective", "densities", "descriptors"])
-def test_golden_images_hold_where_numbers_round_otherwise(name, monkeypatch, tmp_path) -> None:
+def test_golden_images_tolerate_rounding_differences(name, monkeypatch, tmp_path) -> None:
     def displaced(scene, rng):
         return start_poses(scene, rng) + np.random.default_rng(1).normal(0, 1e-12, (scene.robots, 3))
 
@@ -77,7 +79,7 @@ def test_golden_images_hold_where_numbers_round_otherwise(name, monkeypatch, tmp
 
 
 def changed(name: str, change) -> Entry:
-    """Return a figure to which something is done once it is drawn."""
+    """Return a figure that is modified after drawing."""
     entry = CATALOGUE[name]
 
     def draw(*parts, width):
@@ -98,7 +100,7 @@ def with_another_digit(figure) -> None:
 
 
 @pytest.mark.parametrize(("name", "change"), [("sadness-frames", without_trails), ("circumplex", with_another_digit)])
-def test_small_changes_are_seen_and_shown(name, change, material, tmp_path) -> None:
+def test_small_changes_are_detected_and_shown(name, change, material, tmp_path) -> None:
     with pytest.raises(pytest.fail.Exception, match=f"{name} looks otherwise: see {tmp_path}"):
         check(name, small(changed(name, change), material), golden_image(name), tmp_path)
     shown = np.asarray(Image.open(tmp_path / f"{name}-difference.png"))
@@ -108,7 +110,7 @@ def test_small_changes_are_seen_and_shown(name, change, material, tmp_path) -> N
     assert (shown[2 * height :] == 255).mean() > 0.9
 
 
-def test_a_picture_that_is_off_by_a_dot_is_alike_and_one_of_another_size_is_not(material, tmp_path) -> None:
+def test_comparison_tolerates_one_dot_but_not_another_size(material, tmp_path) -> None:
     (png,) = CATALOGUE["shapes"].files(material, ["png"])
     (tmp_path / "large.png").write_bytes(png)
     large = np.asarray(Image.open(tmp_path / "large.png").convert("RGB"))

@@ -26,7 +26,7 @@ def rows(table: Table) -> dict[str, tuple[Cell, ...]]:
     return {name: cells for _, group in table.groups for name, cells in group}
 
 
-def test_table_i_says_what_the_paper_says() -> None:
+def test_table_i_matches_the_paper() -> None:
     said = {name: tuple(cell.text for cell in cells) for name, cells in rows(ATTRIBUTES).items()}
     assert said == {
         "happiness": ("roundness, curvilinearity", "big", "smoothness"),
@@ -39,14 +39,14 @@ def test_table_i_says_what_the_paper_says() -> None:
     }
 
 
-def test_table_ii_says_what_the_scenes_are_made_for() -> None:
+def test_table_ii_matches_the_emotions_of_the_scenes() -> None:
     for name, (behaviour, control) in rows(BEHAVIOURS).items():
         assert (behaviour.text, control.text) == (EMOTIONS[name].behaviour, EMOTIONS[name].control)
     assert list(rows(BEHAVIOURS)) == list(EMOTIONS)
 
 
 @pytest.mark.parametrize("table", TABLES)
-def test_each_cell_that_says_something_has_a_source_and_no_other_has(table) -> None:
+def test_exactly_the_cells_with_text_have_a_source(table) -> None:
     for cells in rows(table).values():
         for cell in cells:
             assert bool(cell.text) == bool(cell.sources) == bool(named(cell))
@@ -60,7 +60,7 @@ def test_every_source_is_cited_somewhere() -> None:
 
 
 @pytest.mark.parametrize("table", TABLES)
-def test_latex_is_a_balanced_table_of_booktabs(table) -> None:
+def test_latex_is_a_balanced_booktabs_table(table) -> None:
     text = table_latex(table)
     body = "\n".join(line for line in text.splitlines() if not line.startswith("%"))
     assert body.count("{") == body.count("}")
@@ -77,7 +77,7 @@ def test_latex_is_a_balanced_table_of_booktabs(table) -> None:
     assert set(re.findall(r"^% (\w+): ", text, re.MULTILINE)) == set(cited(table))
 
 
-def test_latex_escapes_what_it_must() -> None:
+def test_latex_special_characters_are_escaped() -> None:
     table = Table(("", "50 %"), (("", (("a_b", (Cell("x & y {z} #1 $2", ("Lee2007",)),)),)),))
     text = table_latex(table)
     assert r"50 \%" in text
@@ -124,7 +124,7 @@ class Cells(HTMLParser):
 
 
 @pytest.mark.parametrize("table", TABLES)
-def test_html_has_all_cells_with_their_sources(table) -> None:
+def test_html_contains_all_cells_with_sources(table) -> None:
     found = {cells[0]: cells[1:] for cells in Cells(table_html(table)).rows}
     assert found[table.columns[0]] == list(table.columns[1:])
     for name, cells in rows(table).items():
@@ -138,7 +138,7 @@ def test_html_escapes_its_text() -> None:
     assert Cells(table_html(table)).rows == [["", "<b>"], ["A&b", "x < yLee et al. 2007"]]
 
 
-def test_attributes_that_the_paper_does_not_apply_are_marked() -> None:
+def test_attributes_not_applied_in_the_paper_are_marked() -> None:
     marked = {(name, cell.text): cell.note for name, cells in rows(ATTRIBUTES).items() for cell in cells if cell.note}
     assert marked == {
         ("fear", "downward pointing triangles"): 1,

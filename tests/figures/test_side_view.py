@@ -31,7 +31,7 @@ def words(figure: Figure) -> list[str]:
 
 
 def filled(axes: Axes, colour: str) -> shapely.Geometry:
-    """Return what is filled with a colour, in the pixels of the camera."""
+    """Return the shapes filled with a color, in pixels of the camera."""
     pieces = []
     for drawn in (found for found in axes.collections if isinstance(found, PathCollection)):
         for path, face in zip(drawn.get_paths(), drawn.get_facecolors(), strict=True):
@@ -51,7 +51,7 @@ def test_a_panel_shows_the_whole_stage_from_the_camera(run) -> None:
     assert seen[:, 0].max() - seen[:, 0].min() > 0.97 * (right - left)
 
 
-def test_trails_lie_where_the_robots_were_and_nowhere_before_the_start(run) -> None:
+def test_trails_follow_past_positions_and_start_with_the_run(run) -> None:
     first, last = frames_figure(run, [0.0, 2.5]).axes
     colour = run.scene.video.palette.trails[0]
     trail = filled(last, colour)
@@ -60,7 +60,7 @@ def test_trails_lie_where_the_robots_were_and_nowhere_before_the_start(run) -> N
     assert filled(first, colour).area < trail.area  # the robot alone
 
 
-def test_trails_are_round_at_corners_where_their_slices_meet(make_scene) -> None:
+def test_trails_have_round_joints_between_slices(make_scene) -> None:
     # Fear turns at each quarter of a second, so at whole ones too, where a slice of its trails ends and another begins.
     keys = TRACES | {"duration": 4.0, "video.view": "perspective", "video.trails.width": 0.01, "video.trails.robots": 1}
     run = simulate(make_scene("fear", keys))
@@ -82,7 +82,7 @@ def test_the_six_panels_of_the_robotarium_have_emotions_and_videos(run) -> None:
     assert len({*OVERHEAD_VIDEOS.values(), *PERSPECTIVE_VIDEOS.values()}) == 12
 
 
-def test_the_overhead_figure_has_trails_and_the_one_in_perspective_has_none(run) -> None:
+def test_overhead_figure_has_trails_and_perspective_figure_has_none(run) -> None:
     runs = dict.fromkeys(EMOTIONS, run)
     labels = [drawn.get_label() for drawn in overhead_figure(runs, [2.0] * 6).axes[0].collections]
     assert labels.count("trails") == 1

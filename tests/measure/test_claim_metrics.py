@@ -6,7 +6,7 @@ from emovid.scene.load import Setting, load_scene
 from emovid.swarm.simulate import simulate
 
 
-def test_the_slowest_second_is_that_of_a_fine_search() -> None:
+def test_slowest_second_agrees_with_a_fine_search() -> None:
     trajectory = simulate(load_scene("anger"))
     fine = np.linspace(0, 15, 15001)
     v = np.abs(trajectory.commands[..., 0]).mean(axis=1)
@@ -24,14 +24,14 @@ def test_a_run_of_less_than_a_second_is_one_window() -> None:
     assert slowest == fastest > 0
 
 
-def test_sadness_has_gone_an_eighth_of_its_circle() -> None:
+def test_sadness_turns_by_an_eighth_of_a_circle() -> None:
     found = claim_metrics(simulate(load_scene("sadness")))
     assert found["circumference_share"] == pytest.approx(1 / 8, rel=0.05)
     assert found["neighbour_gain"] == pytest.approx(1, abs=0.02)
 
 
 @pytest.mark.parametrize("name", ["happiness", "fear"])
-def test_a_lone_robot_has_no_swarm_whose_size_could_grow(name: str) -> None:
+def test_growth_is_undefined_for_a_single_robot(name: str) -> None:
     alone = simulate(load_scene(name, [Setting("robots", 1, "test"), Setting("duration", 1, "test")]))
     found = claim_metrics(alone)
     missing = {key for key, value in found.items() if np.isnan(value)}

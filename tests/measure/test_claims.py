@@ -34,7 +34,7 @@ def test_the_shipped_scenes_fulfil_the_claims_on_any_seed(seed: int) -> None:
 
 @pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: claim.text)
 def test_each_claim_can_fail(claim) -> None:
-    # A claim that no numbers break is none: the larger side is made small, the smaller side large.
+    # A claim must be falsifiable: the larger side is made small, the smaller side large.
     measured = {name: dict(values) for name, values in shipped().items()}
     for side, factor in ((claim.more, 0.01), (claim.less, 100.0)):
         if isinstance(side, Quantity):
@@ -45,7 +45,7 @@ def test_each_claim_can_fail(claim) -> None:
     assert verdict.margin < 1
 
 
-def test_the_worst_emotion_decides() -> None:
+def test_verdict_uses_the_worst_emotion() -> None:
     measured = {name: dict(values) for name, values in shipped().items()}
     measured["surprise"]["speed_mean"] = 0.1
     verdict = judge(measured)[0]
@@ -61,7 +61,7 @@ def test_a_missing_value_fails_its_claim() -> None:
     assert not judge(measured)[0].holds
 
 
-def test_swapped_emotions_are_found_out() -> None:
+def test_swapped_emotions_break_many_claims() -> None:
     measured = shipped()
     swapped = {**measured, "anger": measured["sadness"], "sadness": measured["anger"]}
     assert sum(not verdict.holds for verdict in judge(swapped)) > 10
@@ -69,7 +69,7 @@ def test_swapped_emotions_are_found_out() -> None:
 
 @cache
 def all_broken() -> dict[str, set[str]]:
-    """Return the claims that each mutant breaks, the other scenes as shipped."""
+    """Return the claims that each mutant breaks while the other scenes are as shipped."""
     return {str(mutant): broken_claims(mutant, shipped()) for mutant in MUTANTS}
 
 
@@ -78,7 +78,7 @@ def broken_by(mutant: Mutant) -> set[str]:
 
 
 @pytest.mark.parametrize("mutant", MUTANTS, ids=str)
-def test_a_scene_that_breaks_the_words_of_the_paper_breaks_a_claim(mutant) -> None:
+def test_scene_that_contradicts_the_paper_breaks_a_claim(mutant) -> None:
     assert broken_by(mutant)
 
 
@@ -98,9 +98,12 @@ def test_the_documentation_lists_mutants_and_reasons() -> None:
         assert row.removesuffix(" |").rpartition("| ")[2].split("; ") == sorted(broken_by(mutant))
 
 
-def test_of_robots_with_motors_anger_is_left_out_where_its_peaks_decide_and_nowhere_else() -> None:
+def test_claims_on_peaks_exclude_anger_only_for_robots_with_motors() -> None:
     measured = {name: dict(values) for name, values in shipped().items()}
-    measured["anger"] |= {"speed_peak": measured["fear"]["speed_peak"], "sparc": 0.0}  # cut, but not as slow as sadness
+    measured["anger"] |= {
+        "speed_peak": measured["fear"]["speed_peak"],
+        "sparc": 0.0,
+    }  # limited, but not as slow as sadness
     cut = {verdict.claim: verdict for verdict in judge(measured, motors=True)}
     free = {verdict.claim: verdict for verdict in judge(measured)}
     spared = exceptions(motors=True)
@@ -115,12 +118,12 @@ def test_of_robots_with_motors_anger_is_left_out_where_its_peaks_decide_and_nowh
     assert exceptions(motors=False) == {}
 
 
-def test_a_bound_stays_when_anger_is_left_out() -> None:
+def test_excluding_anger_keeps_the_bound() -> None:
     claim = Claim("", "", Quantity("speed_peak", ("anger", "fear")), 0.1, peaks=True)
     assert claim.without_anger() == Claim("", "", Quantity("speed_peak", ("fear",)), 0.1, peaks=True)
 
 
-def test_every_claim_says_where_the_paper_does() -> None:
+def test_every_claim_has_a_source_and_a_reason() -> None:
     assert all(claim.source and claim.reason for claim in CLAIMS)
     assert len({claim.text for claim in CLAIMS}) == len(CLAIMS)
     assert any("triangles" in claim for claim in NOT_APPLIED)

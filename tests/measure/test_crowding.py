@@ -16,7 +16,7 @@ def of(run) -> dict[str, float]:
     return crowding(Window(run, 0.0, float(run.t[-1])))
 
 
-def test_distances_on_a_rectangle(make_scene) -> None:
+def test_distances_between_robots_on_a_rectangle(make_scene) -> None:
     points = [[0.5, 0.0], [0.3, 0.0], [-0.3, 0.0], [-0.3, 0.3]]
     found = of(standing(make_scene("fear", {"robots": 4}), points))
     assert found["nearest_neighbour_mean"] == pytest.approx((0.2 + 0.2 + 0.3 + 0.3) / 4)
@@ -24,7 +24,7 @@ def test_distances_on_a_rectangle(make_scene) -> None:
     assert found["distance_to_boundary_mean"] == pytest.approx((0.1 + 0.3 + 0.3 + 0.1) / 4)
 
 
-def test_distances_on_a_triangle(make_scene) -> None:
+def test_distances_between_robots_on_a_triangle(make_scene) -> None:
     keys = {
         "stage": {"corners": TRIANGLE},
         "robots": 1,
@@ -42,7 +42,7 @@ def test_distances_on_a_triangle(make_scene) -> None:
 
 
 @pytest.mark.parametrize("way", [1, -1])
-def test_a_ring_that_turns_has_rotation_and_no_polarisation(make_scene, way) -> None:
+def test_rotating_ring_has_rotation_but_no_polarization(make_scene, way) -> None:
     angle = 2 * np.pi * np.arange(15) / 15
     start = np.column_stack([ring(15, 0.2), angle + np.pi / 2])
     found = of(driven(make_scene("fear"), start, np.tile([way * 0.2, way], (20, 15, 1)), 0.1))
@@ -52,7 +52,7 @@ def test_a_ring_that_turns_has_rotation_and_no_polarisation(make_scene, way) -> 
     assert found["nearest_neighbour_growth"] == pytest.approx(0, abs=1e-9)
 
 
-def test_robots_that_drive_backwards_move_where_their_backs_point(make_scene) -> None:
+def test_reversing_robots_count_with_their_direction_of_motion(make_scene) -> None:
     points = ring(6, 0.2)
     heading = np.array([0, np.pi] * 3)
     commands = np.stack([np.where(heading > 0, -0.1, 0.1), np.zeros(6)], axis=-1)
@@ -60,18 +60,18 @@ def test_robots_that_drive_backwards_move_where_their_backs_point(make_scene) ->
     assert of(run)["polarisation"] == pytest.approx(1)
 
 
-def test_robots_that_stand_still_have_no_direction(make_scene) -> None:
+def test_stationary_robots_have_no_direction(make_scene) -> None:
     commands = np.zeros((5, 4, 2))
     commands[:, 0, 0] = 0.1
     commands[:, 1] = [1e-6, 3]
     some = driven(make_scene("fear", {"robots": 4}), np.column_stack([ring(4, 0.2), np.zeros(4)]), commands, 0.2)
-    assert of(some)["polarisation"] == pytest.approx(1)  # of the one that moves
+    assert of(some)["polarisation"] == pytest.approx(1)  # of the one moving robot
     none = of(standing(make_scene("fear", {"robots": 4}), ring(4, 0.2)))
     assert isnan(none["polarisation"])
     assert isnan(none["rotation"])
 
 
-def test_one_robot_has_no_neighbour_and_no_radius(make_scene) -> None:
+def test_single_robot_has_no_neighbor_distance_and_no_radius(make_scene) -> None:
     found = of(driven(make_scene("fear", {"robots": 1}), [[0, 0, 0]], [[[0.1, 0]]] * 5, 0.2))
     assert isnan(found["nearest_neighbour_mean"])
     assert isnan(found["rotation"])
@@ -79,7 +79,7 @@ def test_one_robot_has_no_neighbour_and_no_radius(make_scene) -> None:
 
 
 @given(seed=st.integers(0, 10_000), angle=st.floats(0, 2 * np.pi), mirror=st.booleans())
-def test_order_does_not_depend_on_where_and_who(seed, angle, mirror) -> None:
+def test_order_measures_do_not_depend_on_position_and_robot_order(seed, angle, mirror) -> None:
     rng = np.random.default_rng(seed)
     points, heading = rng.uniform(-1, 1, (3, 7, 2)), rng.uniform(-np.pi, np.pi, (3, 7))
     velocities = np.stack([np.cos(heading), np.sin(heading)], axis=-1)

@@ -22,7 +22,7 @@ def runs(make_scene) -> dict[str, Trajectory]:
     return {emotion: simulate(make_scene(emotion, {"duration": 3})) for emotion in EMOTIONS}
 
 
-# --- the table -------------------------------------------------------------------------------------------------------
+# --- the table --------------------------------------------------------------------------------------------------------
 
 
 def test_the_documentation_has_each_descriptor_with_unit_definition_and_source() -> None:
@@ -35,7 +35,7 @@ def test_the_documentation_has_each_descriptor_with_unit_definition_and_source()
     assert {family: [row.rstrip() for row in tables.get(family, [])] for family in FAMILIES} == expected
 
 
-def test_no_name_stands_for_two_descriptors() -> None:
+def test_descriptor_names_are_unique() -> None:
     assert len(DESCRIPTORS) == sum(len(family) for family in FAMILIES.values())
 
 
@@ -49,10 +49,10 @@ def test_each_descriptor_has_a_value_in_the_order_of_the_table(runs, emotion) ->
     assert undefined == (set() if covers else {each.name for each in FAMILIES["Convergence"]})
 
 
-# --- the window ------------------------------------------------------------------------------------------------------
+# --- the window -------------------------------------------------------------------------------------------------------
 
 
-def test_the_window_ends_with_the_last_snapshot_or_the_run(make_scene) -> None:
+def test_window_ends_at_the_last_snapshot_or_the_end_of_the_run(make_scene) -> None:
     def ends(emotion: str, keys: dict[str, object]) -> float:
         return window_of(simulate(make_scene(emotion, keys))).end
 
@@ -62,12 +62,12 @@ def test_the_window_ends_with_the_last_snapshot_or_the_run(make_scene) -> None:
 
 
 @pytest.mark.parametrize(("start", "end"), [(2, 2), (2, 1), (-1, 2), (0, 3.5), (float("nan"), 2)])
-def test_a_window_that_is_empty_or_not_in_the_run_is_refused(runs, start, end) -> None:
+def test_empty_window_or_window_outside_the_run_is_refused(runs, start, end) -> None:
     with pytest.raises(InputError, match=r"expected a start before its end, both within the run of 0 to 3 s"):
         describe(runs["fear"], start, end)
 
 
-def test_a_window_is_measured_as_if_there_were_nothing_else(runs) -> None:
+def test_values_depend_only_on_the_window(runs) -> None:
     whole = runs["fear"]
     k = np.flatnonzero(np.isclose(whole.t, 2.0))[0]
     parts = {name: getattr(whole, name)[:k] for name in ("commands", "stage_cut", "separation_cut")}
@@ -75,16 +75,16 @@ def test_a_window_is_measured_as_if_there_were_nothing_else(runs) -> None:
     assert describe(whole, 0.0, 2.0) == pytest.approx(describe(first), rel=1e-9, abs=1e-12)
 
 
-# --- what must not matter --------------------------------------------------------------------------------------------
+# --- invariance -------------------------------------------------------------------------------------------------------
 
 
-def test_the_video_does_not_matter(runs, make_scene) -> None:
+def test_video_keys_do_not_change_descriptors(runs, make_scene) -> None:
     other = make_scene("anger", {"duration": 3, "video.fps": 60, "video.size": "640x360", "video.trails.robots": 0})
     assert describe(simulate(other)) == describe(runs["anger"])
 
 
 @pytest.mark.parametrize("emotion", ["fear", "anger"])
-def test_which_robot_is_which_and_mirrors_do_not_matter(runs, emotion) -> None:
+def test_robot_order_and_mirroring_do_not_change_descriptors(runs, emotion) -> None:
     run = runs[emotion]
     who = np.random.default_rng(1).permutation(15)
     poses = run.poses[:, who] * [1, -1, -1]
@@ -93,7 +93,7 @@ def test_which_robot_is_which_and_mirrors_do_not_matter(runs, emotion) -> None:
     assert describe(other) == pytest.approx(describe(run), rel=1e-6, abs=1e-9)
 
 
-# --- what must not crash ---------------------------------------------------------------------------------------------
+# --- edge cases -------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("emotion", ["sadness", "fear", "disgust", "anger"])
@@ -108,7 +108,7 @@ def test_which_robot_is_which_and_mirrors_do_not_matter(runs, emotion) -> None:
         [[0.1, 0.1], [0.1, 0.1], [0.3, 0]],
     ],
 )
-def test_few_robots_that_stand_still_have_what_is_defined_for_them(make_scene, emotion, points) -> None:
+def test_few_stationary_robots_have_defined_size_and_undefined_motion_descriptors(make_scene, emotion, points) -> None:
     found = describe(standing(make_scene(emotion, {"robots": len(points)}), points))
     assert found["speed_mean"] == found["trace_length"] == 0
     undefined = {"sparc", "log_dimensionless_jerk", "turning_per_metre", "polarisation", "rotation"}

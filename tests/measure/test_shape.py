@@ -31,7 +31,7 @@ def test_a_ring_is_a_regular_polygon(still, robots) -> None:
     assert found["radius_of_gyration_growth"] == pytest.approx(0, abs=1e-12)
 
 
-def test_a_swarm_over_the_whole_stage_is_as_large_as_it(still) -> None:
+def test_swarm_over_the_whole_stage_has_its_area(still) -> None:
     x, y = np.meshgrid(np.linspace(-0.6, 0.6, 61), np.linspace(-0.4, 0.4, 41))
     found = still(np.column_stack([x.ravel(), y.ravel()]))
     assert found["hull_area_share_mean"] == pytest.approx(1)
@@ -39,7 +39,7 @@ def test_a_swarm_over_the_whole_stage_is_as_large_as_it(still) -> None:
     assert found["radius_of_gyration_mean"] == pytest.approx(np.sqrt((1.2**2 + 0.8**2) / 12), rel=0.05)
 
 
-def test_a_ring_that_widens_grows_at_its_speed_over_its_mean_radius(make_scene) -> None:
+def test_growing_ring_has_growth_rate_of_speed_over_mean_radius(make_scene) -> None:
     outwards = 2 * np.pi * np.arange(15) / 15
     start = np.column_stack([ring(15, 0.1), outwards])
     found = of(driven(make_scene("fear"), start, np.tile([0.05, 0.0], (16, 15, 1)), 0.25))
@@ -50,7 +50,7 @@ def test_a_ring_that_widens_grows_at_its_speed_over_its_mean_radius(make_scene) 
 
 
 @pytest.mark.parametrize("points", [[[0.1, 0.2]], [[0.1, 0.2]] * 3])
-def test_a_point_is_neither_round_nor_long(still, points) -> None:
+def test_coincident_robots_have_no_circularity_or_spread(still, points) -> None:
     found = still(np.array(points))
     assert found["radius_of_gyration_mean"] == pytest.approx(0, abs=1e-12)
     assert found["hull_area_share_mean"] == 0
@@ -66,7 +66,7 @@ def test_a_line_has_no_area(still, points) -> None:
 
 
 @given(robots=st.integers(2, 20), seed=st.integers(0, 10_000), angle=st.floats(0, 2 * np.pi), mirror=st.booleans())
-def test_size_and_roundness_do_not_depend_on_where_and_who(make_scene, robots, seed, angle, mirror) -> None:
+def test_size_and_roundness_do_not_depend_on_position_and_robot_order(make_scene, robots, seed, angle, mirror) -> None:
     rng = np.random.default_rng(seed)
     points = rng.uniform(-0.3, 0.3, (robots, 2))
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])

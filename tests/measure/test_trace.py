@@ -21,7 +21,7 @@ def of(run) -> dict[str, float]:
 
 @pytest.fixture(scope="module")
 def one(make_scene):
-    """Drive one robot from the origin along x: one((v, omega), ..., seconds=1)."""
+    """Return the descriptors of one robot from the origin along x: one((v, omega), ..., seconds=1)."""
     scene = make_scene("fear", {"robots": 1})
     return lambda *commands, seconds=1.0: driven(scene, [[0, 0, 0]], np.array(commands)[:, None], seconds)
 
@@ -32,7 +32,7 @@ def polyline(angles: list[float], leg: float) -> np.ndarray:
     return leg * np.concatenate([[[0, 0]], np.cumsum(np.stack([np.cos(heading), np.sin(heading)], -1), axis=0)])
 
 
-# --- the walk with dividers ------------------------------------------------------------------------------------------
+# --- the walk with dividers -------------------------------------------------------------------------------------------
 
 
 @given(seed=st.integers(0, 10_000), step=st.floats(0.1, 0.6))
@@ -49,7 +49,7 @@ def test_each_step_ends_where_the_path_first_leaves_the_circle_about_its_start(s
     assert np.hypot(*(fine[place:] - ends[-1]).T).max() < step
 
 
-# --- known answers ---------------------------------------------------------------------------------------------------
+# --- known answers ----------------------------------------------------------------------------------------------------
 
 
 def test_a_straight_line_does_not_turn(one) -> None:
@@ -68,7 +68,7 @@ def test_a_circle_turns_by_one_over_its_radius_however_it_is_commanded(one, r, p
 
 @pytest.mark.parametrize("angles", [[90, 90, 90], [60, -60, 60], [120, 120], [-45, 100, 30]])
 @pytest.mark.parametrize("leg", [0.06, 0.0617, 0.0583])
-def test_the_turning_of_a_polygon_is_the_sum_of_its_corners(angles, leg) -> None:
+def test_turning_of_a_polygon_is_the_sum_of_its_corner_angles(angles, leg) -> None:
     turned = turns(visible_steps(polyline(angles, leg), STEP))
     assert turning(turned) == pytest.approx(np.radians(np.abs(angles).sum()), abs=1e-6)
 
@@ -95,12 +95,12 @@ def test_reversals_are_counted(one) -> None:
 
 @pytest.mark.parametrize("leg", [0.04, 0.0413, 0.0377])
 @pytest.mark.parametrize(("angle", "cusps"), [(115, 0), (-115, 0), (151, 3), (180, 3)])
-def test_a_cusp_is_a_tip_of_less_than_thirty_degrees_wherever_the_steps_fall(angle, cusps, leg) -> None:
+def test_cusps_below_thirty_degrees_are_found_at_any_step_offset(angle, cusps, leg) -> None:
     turned = turns(visible_steps(polyline([angle, -angle, angle], leg), STEP))
     assert np.sum(np.abs(turned) > np.radians(120)) == cusps
 
 
-# --- what is not seen ------------------------------------------------------------------------------------------------
+# --- ignored details --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("leg", [0.0001, 0.0004, 0.0007])
@@ -119,29 +119,29 @@ def test_a_robot_that_spins_leaves_no_trace(one, v, omega) -> None:
     assert isnan(found["sharp_corner_share"])
 
 
-def test_a_robot_that_shuttles_by_less_than_a_step_leaves_no_trace(one) -> None:
+def test_robot_that_oscillates_by_less_than_a_step_leaves_no_trace(one) -> None:
     assert of(one(*[(0.1, 0.3), (-0.1, 0.2)] * 50, seconds=0.04))["trace_length"] == 0
 
 
-def test_shuttling_on_the_way_is_not_seen(one) -> None:
+def test_small_oscillations_along_the_way_are_ignored(one) -> None:
     ways = [(0.1, 0)] * 20 + [(-0.1, 0), (0.1, 0)] * 20 + [(0.1, 0)] * 20
     found = of(one(*ways, seconds=0.02))
     assert found["trace_length"] == pytest.approx(0.08, abs=1.1 * STEP)
     assert (found["turning_per_metre"], found["cusps"]) == (0, 0)
 
 
-# --- invariance ------------------------------------------------------------------------------------------------------
+# --- invariance -------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("emotion", "tolerance"), [("happiness", 0.005), ("fear", 0.01), ("anger", 0.01)])
-def test_finer_control_periods_of_the_same_motion_change_next_to_nothing(make_scene, emotion, tolerance) -> None:
+def test_finer_control_periods_hardly_change_the_result(make_scene, emotion, tolerance) -> None:
     run = simulate(make_scene(emotion))  # of its whole length: one cusp of 66 in 6 s would be more than 1 %
     coarse, fine = of(run), of(refined(run, 5))
     assert fine == pytest.approx(coarse, rel=tolerance, abs=1e-12)
 
 
 @given(seed=st.integers(0, 10_000), angle=st.floats(-np.pi, np.pi), x=st.floats(-10, 10), y=st.floats(-10, 10))
-def test_a_trace_measures_the_same_turned_moved_and_mirrored(make_scene, seed, angle, x, y) -> None:
+def test_results_are_invariant_to_rotation_translation_and_mirroring(make_scene, seed, angle, x, y) -> None:
     scene = make_scene("fear", {"robots": 3})
     commands = np.random.default_rng(seed).uniform([-0.1, -8], [0.2, 8], (12, 3, 2))
     found = of(driven(scene, np.zeros((3, 3)), commands, 0.3))
@@ -150,17 +150,17 @@ def test_a_trace_measures_the_same_turned_moved_and_mirrored(make_scene, seed, a
 
 
 @given(seed=st.integers(0, 10_000), scale=st.floats(0.1, 10))
-def test_turning_goes_with_the_scale_of_the_trace_in_steps(seed, scale) -> None:
+def test_turning_scales_with_the_size_of_the_trace_in_steps(seed, scale) -> None:
     points = np.cumsum(np.random.default_rng(seed).normal(0, 0.01, (60, 2)), axis=0)
     plain, scaled = (turns(visible_steps(s * points, s * STEP)) for s in (1, scale))
     assert turning(scaled) == pytest.approx(turning(plain), abs=1e-6)
 
 
-# --- against the eye -------------------------------------------------------------------------------------------------
+# --- shipped scenes ---------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("emotion", EMOTIONS)
-def test_the_shipped_scenes_are_angular_where_they_look_it(make_scene, emotion) -> None:
+def test_shipped_scenes_that_look_angular_have_sharp_corners(make_scene, emotion) -> None:
     found = trace(window_of(simulate(make_scene(emotion))))
     if emotion in ("fear", "disgust", "anger"):
         assert found["sharp_corner_share"] > 1 / 3
@@ -172,7 +172,7 @@ def test_the_shipped_scenes_are_angular_where_they_look_it(make_scene, emotion) 
 
 @pytest.mark.parametrize("share", [1 / 12, 1 / 3])
 @pytest.mark.parametrize("emotion", EMOTIONS)
-def test_half_and_twice_the_step_tell_the_shipped_scenes_apart_too(make_scene, monkeypatch, emotion, share) -> None:
+def test_half_and_double_steps_also_separate_the_shipped_scenes(make_scene, monkeypatch, emotion, share) -> None:
     monkeypatch.setattr("emovid.measure.window._STEP", share)
     found = trace(window_of(simulate(make_scene(emotion))))
     if emotion in ("fear", "disgust", "anger"):
@@ -193,10 +193,10 @@ def test_surprise_that_returns_smoothly_has_no_corners(make_scene) -> None:
     assert trace(Window(simulate(make_scene("surprise")), 0.0, 15.0))["sharp_corner_share"] == 0
 
 
-def test_happiness_turns_by_its_ripples_and_sadness_by_its_ring(make_scene) -> None:
+def test_happiness_turns_along_its_ripples_and_sadness_along_its_ring(make_scene) -> None:
     sadness = simulate(make_scene("sadness"))
     radius = np.hypot(*sadness.poses[-1, 0, :2])
     settled = trace(Window(sadness, 3.0, 15.0))  # it starts with a heading for a slightly larger ring
     assert settled["turning_per_metre"] == pytest.approx(1 / radius, rel=0.02)
     happiness = simulate(make_scene("happiness"))
-    assert trace(window_of(happiness))["turning_per_metre"] > 1.5 / 0.275  # more than the plain circle's
+    assert trace(window_of(happiness))["turning_per_metre"] > 1.5 / 0.275  # more than that of a circle

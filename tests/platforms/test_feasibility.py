@@ -31,8 +31,8 @@ def failed(name: str, keys: dict[str, object], platform: str = "robotarium") -> 
 
 @pytest.mark.parametrize("platform", PLATFORMS)
 @pytest.mark.parametrize("emotion", EMOTIONS)
-def test_shipped_scenes_can_run_on_other_seeds_too(platform: str, emotion: str) -> None:
-    # All of 0..49, and the whole of each run: benchmarks/robotarium_safety.py.
+def test_shipped_scenes_are_feasible_on_other_seeds(platform: str, emotion: str) -> None:
+    # Seeds 0 to 49 and complete runs: benchmarks/robotarium_safety.py.
     for seed in (3, 17) if emotion in ("fear", "disgust", "anger") else (1,):
         assert failed(f"{platform}/{emotion}", {"seed": seed}, platform) == set()
 
@@ -47,12 +47,12 @@ def test_shipped_scenes_can_run_on_other_seeds_too(platform: str, emotion: str) 
         ("robotarium/anger", {"robot.limits": {"wheel_max": 0.25}}, {"fastest wheel"}),
     ],
 )  # fmt: skip
-def test_what_a_testbed_cannot_do_fails_its_check(name: str, keys: dict[str, object], expected: set[str]) -> None:
+def test_infeasible_scenes_fail_the_check(name: str, keys: dict[str, object], expected: set[str]) -> None:
     assert expected <= failed(name, keys)
 
 
-def test_the_spacing_on_a_contour_is_of_any_two_points() -> None:
-    # Its dents all but touch the centre: there, points that are not neighbours along the contour come nearest.
+def test_spacing_on_a_contour_considers_all_pairs_of_points() -> None:
+    # Its dents nearly touch the center: points that are not neighbors along the contour come closest there.
     scene = scene_of("happiness", {"behaviour.R": 0.19, "behaviour.A": 0.18})
     theta_0, law = start_angles(scene.robots), scene.behaviour
     seen = np.inf
@@ -63,14 +63,14 @@ def test_the_spacing_on_a_contour_is_of_any_two_points() -> None:
     assert contour_spacing(scene) == pytest.approx(np.sqrt(3) * 0.01, rel=0.01)  # three at a time in dents 0.01 m out
 
 
-def test_one_robot_has_none_to_keep_apart_from() -> None:
+def test_spacing_is_not_checked_for_one_robot() -> None:
     run = simulate(scene_of("robotarium/fear", {"duration": 1, "snapshots": None, "robots": 1}))
     names = [check.name for check in check_platform(run, TESTBEDS["robotarium"])]
     assert not {"spacing on the contour", "between bodies", "collision points"} & set(names)
     assert {"robots", "from bodies to walls", "fastest wheel", "time without a solution"} <= set(names)
 
 
-def test_an_experiment_is_at_most_a_quarter_of_an_hour() -> None:
+def test_experiment_longer_than_15_minutes_fails() -> None:
     run = simulate(scene_of("robotarium/sadness", {"duration": 1, "snapshots": None}))
     for duration, holds in ((900.0, True), (901.0, False)):
         longer = replace(run, scene=run.scene.model_copy(update={"duration": duration}))
@@ -78,7 +78,7 @@ def test_an_experiment_is_at_most_a_quarter_of_an_hour() -> None:
         assert check.holds == holds
 
 
-def test_a_program_without_a_solution_fails() -> None:
+def test_infeasible_barrier_program_fails() -> None:
     with pytest.warns(RuntimeWarning, match="the barrier has no solution"):
         assert "time without a solution" in failed("robotarium/sadness", {"safety.spacing": 0.5, "duration": 1})
 
@@ -94,7 +94,7 @@ def test_twelve_robots_need_a_circle_of_29_cm() -> None:
     assert contour_spacing(load_scene("robotarium/fear")) is None
 
 
-def test_wall_distance_is_the_least_along_the_arcs() -> None:
+def test_wall_distance_is_the_minimum_along_the_arcs() -> None:
     run = simulate(scene_of("robotarium-today/anger", {"duration": 6, "snapshots": None, "seed": 5}))
     ahead, radius = run.scene.robot.body.disc
     times = np.linspace(0, run.t[-1], 6001)
@@ -103,7 +103,7 @@ def test_wall_distance_is_the_least_along_the_arcs() -> None:
     assert wall_distance(run) == pytest.approx(seen, abs=2e-4)
 
 
-def test_command_reports_and_exits_by_what_it_finds(capsys) -> None:
+def test_command_prints_a_report_and_sets_the_exit_code(capsys) -> None:
     assert main(["check-platform", "sadness", "--set", "duration=2", "--set", "snapshots=[0, 1]"]) == 0
     said = capsys.readouterr().out
     assert said.startswith("robotarium-today/sadness on robotarium-today\n")
@@ -138,7 +138,7 @@ def test_command_reports_as_json(arguments, name, failed, capsys) -> None:
         (["render", "my.yaml", "--platform", "robotarium"], "--platform robotarium: my.yaml is no emotion"),
     ],
 )  # fmt: skip
-def test_a_mistake_gives_one_line(arguments: list[str], words: str, capsys) -> None:
+def test_invalid_input_gives_a_one_line_message(arguments: list[str], words: str, capsys) -> None:
     assert main(arguments) == 2
     said = capsys.readouterr()
     assert words in said.err

@@ -1,4 +1,4 @@
-"""The script for the Robotarium: what it says, and what it does in a stand-in of both of its simulators."""
+"""The script for the Robotarium: its text, and its runs in stand-ins for both simulators."""
 
 import ast
 import json
@@ -41,14 +41,14 @@ def scene_of(emotion: str, **keys: object) -> Scene:
 
 @cache
 def runs(emotion: str) -> tuple[Trajectory, Trajectory, rps_stand_in.StandIn]:
-    """Return our run of 15 s, that of the script in the simulator 1.x, and the simulator."""
+    """Return the simulated run of 15 s, the run of the script in simulator 1.x, and the simulator."""
     scene = scene_of(emotion)
     simulator, _ = rps_stand_in.run(robotarium_script(scene, emotion, TODAY, trails=True), INTERFACES[0])
     return simulate(scene), simulator.run_of(scene), simulator
 
 
 def functions(scene: Scene) -> dict:
-    """Return what a scene's script defines, without running the experiment."""
+    """Return the definitions of the script of a scene, without running the experiment."""
     text = robotarium_script(scene, "scene", TODAY).removesuffix("\n\n\nmain()\n")
     names: dict = {"__name__": "script"}
     with rps_stand_in.installed(INTERFACES[0]):
@@ -56,16 +56,16 @@ def functions(scene: Scene) -> dict:
     return names
 
 
-# --- what it does ----------------------------------------------------------------------------------------------------
+# --- runs -------------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("emotion", EMOTIONS)
-def test_no_robot_collides_leaves_the_arena_or_asks_too_much_of_its_motors(emotion) -> None:
+def test_robots_neither_collide_leave_the_arena_nor_exceed_motor_limits(emotion) -> None:
     assert runs(emotion)[2].errors == {"boundary": 0, "collision": 0, "actuator": 0}
 
 
 @pytest.mark.parametrize("emotion", ROUND)
-def test_contours_are_ours_within_a_centimetre_over_15_s(emotion) -> None:
+def test_contours_match_the_simulation_within_a_centimeter_over_15_s(emotion) -> None:
     ours, theirs, _ = runs(emotion)
     times = theirs.t[theirs.t <= 15]
     off = np.hypot(*np.moveaxis((theirs.at(times) - ours.at(times))[..., :2], -1, 0))
@@ -74,8 +74,8 @@ def test_contours_are_ours_within_a_centimetre_over_15_s(emotion) -> None:
 
 
 @pytest.mark.parametrize("emotion", SPREAD)
-def test_coverage_is_ours_in_its_descriptors(emotion) -> None:
-    # An angular motion is chaotic: what rounds otherwise takes other turns on the same way.
+def test_coverage_matches_the_simulation_in_its_descriptors(emotion) -> None:
+    # Angular motion is chaotic: rounding differences change single turns.
     ours, theirs = (describe(run) for run in runs(emotion)[:2])
     for name in ("speed_mean", "speed_p95", "radius_of_gyration_mean", "nearest_neighbour_mean", "trace_length"):
         assert theirs[name] == pytest.approx(ours[name], rel=0.1), name
@@ -84,7 +84,7 @@ def test_coverage_is_ours_in_its_descriptors(emotion) -> None:
 
 
 @pytest.mark.parametrize("emotion", ["happiness", "surprise"])
-def test_both_interfaces_make_the_same_run_of_what_both_robots_can_do(emotion) -> None:
+def test_both_simulator_interfaces_give_the_same_run_within_common_limits(emotion) -> None:
     scene = scene_of(emotion, duration=1.65)
     script = robotarium_script(scene, emotion, TODAY)
     one, two = (rps_stand_in.run(script, interface)[0] for interface in INTERFACES)
@@ -92,15 +92,15 @@ def test_both_interfaces_make_the_same_run_of_what_both_robots_can_do(emotion) -
     assert two.run_of(scene).poses == pytest.approx(one.run_of(scene).poses, abs=1e-9)
 
 
-def test_the_robot_of_the_simulator_2_turns_no_faster_than_it_can() -> None:
+def test_robot_of_simulator_2_respects_its_turning_limit() -> None:
     simulator, _ = rps_stand_in.run(robotarium_script(scene_of("disgust", duration=3), "disgust", TODAY), INTERFACES[1])
     assert simulator.errors == {"boundary": 0, "collision": 0, "actuator": 0}
     wheel = np.abs(np.array(simulator.done)) * [[1], [0.055]]
     assert 0.199 < wheel.sum(axis=1).max() <= 0.2
 
 
-def test_robots_are_set_down_wide_apart_and_drive_to_their_start() -> None:
-    # The simulator 2.x sets no robot down within 0.25 m of another, give or take 0.05 m.
+def test_robots_are_placed_far_apart_and_drive_to_their_start() -> None:
+    # The simulator 2.x places robots at least 0.25 m apart, within 0.05 m.
     ours, theirs, simulator = runs("sadness")
     first = simulator.seen[0][:2]
     apart = np.hypot(*(first[:, :, None] - first[:, None])) + 9 * np.eye(first.shape[1])
@@ -121,7 +121,7 @@ def test_trails_are_those_of_the_scene() -> None:
     assert without.canvas.lines == []
 
 
-def test_robots_that_are_set_down_some_centimetres_off_do_no_harm() -> None:
+def test_initial_placement_errors_of_some_centimeters_are_tolerated() -> None:
     script = robotarium_script(scene_of("sadness", duration=3), "sadness", TODAY)
 
     class Careless(INTERFACES[1]):
@@ -133,7 +133,7 @@ def test_robots_that_are_set_down_some_centimetres_off_do_no_harm() -> None:
     assert simulator.errors == {"boundary": 0, "collision": 0, "actuator": 0}
 
 
-# --- its parts against ours ------------------------------------------------------------------------------------------
+# --- parts of the script compared with the package --------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -143,7 +143,7 @@ def picture(tmp_path) -> str:
 
 
 @pytest.mark.parametrize("kind", ["uniform", "gaussian", "boundary", "image", "sum"])
-def test_centroids_are_ours(kind, picture, monkeypatch) -> None:
+def test_centroids_match_the_simulation(kind, picture, monkeypatch) -> None:
     basic = {
         "uniform": {"kind": "uniform"},
         "gaussian": {"kind": "gaussian", "sigma": 0.3, "centre": {"x": 0.2, "y": -0.1}},
@@ -159,8 +159,8 @@ def test_centroids_are_ours(kind, picture, monkeypatch) -> None:
     if "phi" in script:  # a picture
         x, y = rng.uniform([[-1.6], [-1.0]], [[1.6], [1.0]], (2, 40))
         assert script["phi"](x, y) == pytest.approx(density.phi(x, y), rel=2e-3)
-    # Ours neglects parts of a border that are negligible to both its cells, the script those that are to one of them.
-    exact = 1e-8 if density.gaussians else 2e-4  # a picture's numbers have four digits
+    # The package neglects parts of a border that are negligible for both cells, the script those for one of them.
+    exact = 1e-8 if density.gaussians else 2e-4  # the numbers of a picture have four digits
     for neglected in (None, None, 40.0, 40.0) if density.gaussians else (None, None):
         if neglected:
             monkeypatch.setattr("emovid.swarm.line_integrals._NEGLIGIBLE", neglected)
@@ -171,7 +171,7 @@ def test_centroids_are_ours(kind, picture, monkeypatch) -> None:
         assert points + u.T / scene.behaviour.kappa == pytest.approx(ours, abs=exact)
 
 
-def test_it_saves_its_poses_in_a_file_that_can_be_measured(tmp_path) -> None:
+def test_script_saves_poses_in_a_measurable_file(tmp_path) -> None:
     scene, _, simulator = scene_of("surprise"), *runs("surprise")[1:]
     assert list(simulator.files) == ["surprise-poses.csv"]
     (tmp_path / "poses.csv").write_text(simulator.files["surprise-poses.csv"])
@@ -183,7 +183,7 @@ def test_it_saves_its_poses_in_a_file_that_can_be_measured(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("emotion", ROUND)
-def test_followed_points_are_ours(emotion) -> None:
+def test_followed_points_match_the_simulation(emotion) -> None:
     scene = scene_of(emotion)
     script = functions(scene)
     poses = np.random.default_rng(3).normal(size=(3, scene.robots))
@@ -203,7 +203,7 @@ def test_a_command_beyond_the_limits_keeps_its_curvature() -> None:
     assert script["within_limits"](slow, 0.11) == pytest.approx(slow)
 
 
-def test_the_nearest_commands_are_ours() -> None:
+def test_nearest_commands_match_the_barrier_of_the_simulation() -> None:
     script = functions(scene_of("fear"))
     rng = np.random.default_rng(6)
     for _ in range(40):
@@ -214,7 +214,7 @@ def test_the_nearest_commands_are_ours() -> None:
         assert script["nearest_within"](point, a, b) == pytest.approx(0.2 * ours, abs=1e-7)
 
 
-def test_robots_that_run_at_each_other_and_at_the_wall_stop_in_time() -> None:
+def test_robots_driving_at_each_other_or_a_wall_stop_in_time() -> None:
     script = functions(scene_of("fear"))
     rng = np.random.default_rng(5)
     poses = np.array(script["PARKED"])
@@ -230,14 +230,14 @@ def test_robots_that_run_at_each_other_and_at_the_wall_stop_in_time() -> None:
         assert apart.min() > 0.135
         assert np.abs(poses[0]).max() < 1.6
         assert np.abs(poses[1]).max() < 1.0
-    assert apart.min() < 0.2  # they did meet
+    assert apart.min() < 0.2  # the robots did meet
 
 
-# --- what it says ----------------------------------------------------------------------------------------------------
+# --- text -------------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("emotion", ["happiness", "surprise", "disgust", "anger"])
-def test_it_is_one_flat_file_that_needs_numpy_and_rps_alone(emotion, tmp_path) -> None:
+def test_script_is_one_file_that_needs_only_numpy_and_rps(emotion, tmp_path) -> None:
     text = robotarium_script(scene_of(emotion), emotion, TODAY, trails=True)
     tree = ast.parse(text)
     imported = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
@@ -255,7 +255,7 @@ def test_it_is_one_flat_file_that_needs_numpy_and_rps_alone(emotion, tmp_path) -
     assert done.returncode == 0, done.stdout
 
 
-def test_its_header_names_scene_seed_arena_and_version() -> None:
+def test_script_header_names_scene_seed_arena_and_version() -> None:
     scene = scene_of("fear", seed=7)
     header = ast.get_docstring(ast.parse(robotarium_script(scene, "my_scene", TODAY)))
     assert header is not None
@@ -272,12 +272,12 @@ def test_a_scene_s_name_cannot_become_code() -> None:
     assert header.startswith("a____import os_____: 12 robots")
 
 
-def test_equal_scenes_make_equal_scripts() -> None:
+def test_equal_scenes_give_identical_scripts() -> None:
     first, second = (robotarium_script(scene_of("anger"), "anger", TODAY) for _ in range(2))
     assert first == second
 
 
-def test_a_script_of_a_contour_says_nothing_of_coverage() -> None:
+def test_contour_script_contains_no_coverage_code() -> None:
     text = robotarium_script(scene_of("happiness"), "happiness", TODAY)
     assert "voronoi" not in text
     assert "TRAILS" not in text
@@ -294,7 +294,7 @@ def test_a_script_of_a_contour_says_nothing_of_coverage() -> None:
          "arena of 3.2 m x 2.0 m; --arena names another"),
     ],
 )  # fmt: skip
-def test_what_the_robotarium_cannot_run_is_refused_in_one_line(emotion, keys, message) -> None:
+def test_infeasible_scene_is_refused_with_a_one_line_message(emotion, keys, message) -> None:
     if message is None:
         start = {"place": "stage", "min_spacing": 0.2}
         keys, message = {"robots": 21, "start": start}, "test robots: robots: 21: the Robotarium has at most 20"
@@ -312,7 +312,7 @@ def test_a_start_that_counts_as_a_collision_is_refused() -> None:
         robotarium_script(scene_of("fear", robots=2, start=face_to_face, safety__spacing=0.135), "scene", TODAY)
 
 
-# --- the command -----------------------------------------------------------------------------------------------------
+# --- the command ------------------------------------------------------------------------------------------------------
 
 
 def test_the_command_writes_the_six_scripts(tmp_path, capsys) -> None:
@@ -322,7 +322,7 @@ def test_the_command_writes_the_six_scripts(tmp_path, capsys) -> None:
     assert "TRAILS" in (tmp_path / "upload" / "fear.py").read_text()
 
 
-def test_the_command_takes_a_scene_a_seed_and_an_arena(tmp_path, capsys) -> None:
+def test_command_accepts_scene_seed_and_arena(tmp_path, capsys) -> None:
     target = tmp_path / "mine.py"
     arguments = ["export", "robotarium", "anger", "--seed", "5", "--arena", "4.3x3.6", "-o", str(target), "--json"]
     assert main(arguments) == 0
@@ -347,7 +347,7 @@ def test_the_command_takes_a_scene_a_seed_and_an_arena(tmp_path, capsys) -> None
         (["anger", "-o", "a.m"], "-o a.m: cannot write .m; expected .py, or a folder"),
     ],
 )
-def test_a_mistake_is_one_line_and_nothing_is_written(arguments, message, tmp_path, monkeypatch, capsys) -> None:
+def test_invalid_input_gives_one_line_and_writes_no_file(arguments, message, tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["export", "robotarium", *arguments]) == 2
     said = capsys.readouterr().err
