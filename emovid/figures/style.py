@@ -10,6 +10,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 from fontTools.subset import Options
+from matplotlib.backends import backend_ps
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
@@ -73,27 +74,31 @@ def in_style() -> Iterator[None]:
 def encoded(figure: Figure, format: str, subject: str = "") -> bytes:
     """Return a figure as a file of the format: pdf, png (300 dpi), svg or eps; a subject stands in its metadata."""
     buffer = BytesIO()
-    if format == "eps":
-        figure.savefig(buffer, format=format)
-        return _EPS_DATE.sub(b"", buffer.getvalue(), count=1)
-    with _fonts_without_layout():
+    with _fonts_prepared_fast():
+        if format == "eps":
+            figure.savefig(buffer, format=format)
+            return _EPS_DATE.sub(b"", buffer.getvalue(), count=1)
         metadata = {_LEFT_OUT[format]: None} | ({_SUBJECTS[format]: subject} if subject else {})
         figure.savefig(buffer, format=format, metadata=metadata)
     return buffer.getvalue()
 
 
 @contextmanager
-def _fonts_without_layout() -> Iterator[None]:
-    """Embed fonts in PDFs without tables for shaping text: glyphs stand where matplotlib puts them.
+def _fonts_prepared_fast() -> Iterator[None]:
+    """Embed fonts without tables for shaping text, and with the bounding box that the font file states.
 
-    Reading these tables, which the default subset keeps, takes a quarter of the time of a study's figures.
+    Glyphs stand where matplotlib puts them, so that the tables, which the default subset keeps, have no use: reading
+    them takes a quarter of the time of a study's figures. For an EPS file matplotlib draws all 6,000 glyphs to find the
+    same box, which takes longer than the figure.
     """
-    tables = Options._drop_tables_default
+    tables, bounds = Options._drop_tables_default, getattr(backend_ps, "_bounds", None)
     Options._drop_tables_default = [*tables, *_LAYOUT_TABLES]
+    backend_ps._bounds = lambda font: tuple(getattr(font["head"], side) for side in ("xMin", "yMin", "xMax", "yMax"))
     try:
         yield
     finally:
         Options._drop_tables_default = tables
+        backend_ps._bounds = bounds
 
 
 def save(figure: Figure, path: Path) -> None:
