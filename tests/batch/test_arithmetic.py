@@ -1,4 +1,4 @@
-"""Trajectories and measurements do not depend on the kernel of BLAS; where arithmetic differs, it is recorded."""
+"""Trajectories and measurements do not depend on the BLAS kernel; different arithmetic is recorded."""
 
 import json
 import os
@@ -27,7 +27,7 @@ print(json.dumps([versions("measure")["arithmetic"], *((r.trajectory_sha256, r.s
 
 @pytest.fixture(scope="module")
 def digests(tmp_path_factory):
-    """Return a function that computes digests in a process with some environment."""
+    """Return a function that computes digests in a process with the given environment."""
     folder = tmp_path_factory.mktemp("pictures")
     grey = np.random.default_rng(1).integers(0, 256, (12, 18), dtype=np.uint8)
     Image.fromarray(grey).save(folder / "a.png")
@@ -40,7 +40,7 @@ def digests(tmp_path_factory):
     return compute
 
 
-def test_results_are_equal_under_all_kernels_and_numbers_of_threads(digests) -> None:
+def test_results_are_identical_under_all_blas_kernels_and_thread_counts(digests) -> None:
     settings = [
         {"OPENBLAS_CORETYPE": "Prescott", "OPENBLAS_NUM_THREADS": "1"},
         {"OPENBLAS_CORETYPE": "Haswell", "OPENBLAS_NUM_THREADS": "8"},
@@ -49,7 +49,7 @@ def test_results_are_equal_under_all_kernels_and_numbers_of_threads(digests) -> 
     assert others == [first, first]
 
 
-def test_where_results_differ_the_arithmetic_differs(digests) -> None:
+def test_different_results_imply_a_different_arithmetic_record(digests) -> None:
     found = np.show_config(mode="dicts")["SIMD Extensions"].get("found", [])
     assert found, "this processor has none beyond the baseline"
     here, without = digests(), digests(NPY_DISABLE_CPU_FEATURES=" ".join(found))

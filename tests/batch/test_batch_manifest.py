@@ -48,7 +48,7 @@ def test_records_are_readable_at_once_and_merged_at_the_end(tmp_path) -> None:
     assert read_manifest(tmp_path) == {"a": MEASURED}
 
 
-def test_nothing_new_leaves_the_manifest_as_it_is(tmp_path) -> None:
+def test_manifest_is_unchanged_without_new_records(tmp_path) -> None:
     (tmp_path / "manifest.json").write_text('{"videos":   {}}')
     with Journal(tmp_path):
         pass
@@ -67,7 +67,7 @@ def test_a_killed_run_loses_at_most_the_line_it_was_writing(tmp_path_factory, ke
     assert len(read_manifest(folder)) == whole
 
 
-def test_a_dead_run_with_the_same_process_number_loses_only_its_unfinished_line(tmp_path) -> None:
+def test_dead_run_with_a_reused_process_number_loses_only_its_unfinished_line(tmp_path) -> None:
     # In a container, a killed command and the next one often have the same process number.
     first = line("a")
     leave_journal(tmp_path, first + first[:9], former())
@@ -87,7 +87,7 @@ def test_records_of_unknown_kinds_are_ignored(tmp_path) -> None:
     assert sorted(read_manifest(tmp_path)) == ["e"]
 
 
-def test_the_section_of_a_record_is_its_kind(tmp_path) -> None:
+def test_records_are_stored_by_kind(tmp_path) -> None:
     (tmp_path / "manifest.json").write_text('{"measurements": {"a": {"only": "sound"}}}')
     assert read_manifest(tmp_path) == {"a": Record("measure")}
 
@@ -101,7 +101,7 @@ def test_the_journal_of_a_live_run_is_read_and_kept(tmp_path) -> None:
     assert sorted(read_manifest(tmp_path)) == ["a", "b"]
 
 
-def test_a_journal_of_another_machine_is_removed_after_a_day(tmp_path) -> None:
+def test_stale_journal_of_another_machine_is_removed_after_a_day(tmp_path) -> None:
     far = leave_journal(tmp_path, line("b"), ELSEWHERE)
     os.utime(far, (0, 0))
     merge_journals(tmp_path)
@@ -118,7 +118,7 @@ def test_records_of_missing_files_are_dropped(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"videos": [1]}', '{"videos": {"a": 1}}', "\xff", '{"videos": null}'])
-def test_a_file_that_is_not_a_manifest_holds_no_records(tmp_path, text) -> None:
+def test_file_that_is_not_a_manifest_has_no_records(tmp_path, text) -> None:
     (tmp_path / "manifest.json").write_text(text, encoding="latin1")
     assert read_manifest(tmp_path) == {}
     with Journal(tmp_path) as journal:
@@ -126,7 +126,7 @@ def test_a_file_that_is_not_a_manifest_holds_no_records(tmp_path, text) -> None:
     assert sorted(read_manifest(tmp_path)) == ["a"]
 
 
-def test_the_lock_of_a_killed_run_stops_no_other(tmp_path) -> None:
+def test_lock_of_a_killed_run_does_not_block_others(tmp_path) -> None:
     (tmp_path / ".manifest.json.lock").write_bytes(b"")
     merge_journals(tmp_path)
     assert hidden(tmp_path) == []
@@ -141,7 +141,7 @@ def test_a_journal_that_cannot_be_written_is_an_error(tmp_path) -> None:
         path.unlink()
 
 
-def test_a_journal_that_is_written_in_part_is_an_error(tmp_path) -> None:
+def test_partially_written_journal_is_an_error(tmp_path) -> None:
     class Full(io.RawIOBase):
         def write(self, line: bytes) -> int:
             return len(line) - 1
@@ -157,7 +157,7 @@ def test_the_next_run_merges_the_journal_if_the_manifest_cannot_be_written(tmp_p
     (tmp_path / "manifest.json").mkdir()
     with pytest.raises(EmovidError, match="is a directory"), Journal(tmp_path) as journal:
         journal.add("a", MEASURED)
-    with pytest.raises(ZeroDivisionError), Journal(tmp_path) as journal:  # an error that came first says more
+    with pytest.raises(ZeroDivisionError), Journal(tmp_path) as journal:  # the first error is more informative
         journal.add("b", Record("measure", samples=1 // 0))
     (tmp_path / "manifest.json").rmdir()
     merge_journals(tmp_path, tmp_path / f".manifest.json.{owner()}.journal")
@@ -179,7 +179,7 @@ def _add(folder: Path, worker: int) -> None:
                 journal.add(f"{worker}-{run}-{i}", MEASURED)
 
 
-def test_runs_side_by_side_lose_nothing(tmp_path) -> None:
+def test_parallel_runs_lose_no_records(tmp_path) -> None:
     context = multiprocessing.get_context("spawn")
     workers = [context.Process(target=_add, args=(tmp_path, worker)) for worker in range(4)]
     for worker in workers:
@@ -194,7 +194,7 @@ def test_runs_side_by_side_lose_nothing(tmp_path) -> None:
 
 
 @pytest.mark.skipif(not unshare_works(), reason="this machine allows no PID namespaces")
-def test_runs_in_containers_with_equal_process_numbers_lose_nothing(tmp_path) -> None:
+def test_runs_in_containers_with_equal_process_numbers_lose_no_records(tmp_path) -> None:
     script = (
         "import sys; from pathlib import Path; from emovid.batch.job import Record;"
         "from emovid.batch.manifest import Journal; folder, name = Path(sys.argv[1]), sys.argv[2]\n"

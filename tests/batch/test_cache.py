@@ -1,4 +1,4 @@
-"""Results of jobs: checked before they take their place, made by the right versions, shared between parallel runs."""
+"""Results of jobs: checked before use, made by matching versions, shared between parallel runs."""
 
 import json
 import os
@@ -21,7 +21,7 @@ from tests.helpers.owners import ELSEWHERE, PARENT
 
 
 class Worker(InProcess):
-    """A worker whose deliveries are changed on their way."""
+    """A worker whose results are changed in transfer."""
 
     def __init__(self, change=lambda delivery: delivery, *, is_remote: bool = False) -> None:
         super().__init__(lambda *_: None)
@@ -46,7 +46,7 @@ def job(make_scene, tmp_path) -> Job:
 
 
 def failure(job: Job, pool: InProcess) -> str:
-    """Return the error of a job, whose old file must stay."""
+    """Return the error of a job, and check that its old file stays."""
     made = make_missing([job], Silent(), pool)
     assert made.records == {}
     assert [path.name for path in job.target.parent.iterdir()] == ["fear.npz"]
@@ -64,7 +64,7 @@ def test_a_worker_refuses_to_start_with_other_versions(job) -> None:
     assert job.target.read_bytes() == b"the old one"
 
 
-def test_a_result_of_other_versions_is_refused(job) -> None:
+def test_result_from_other_versions_is_refused(job) -> None:
     here = job.recipe.versions
     said = failure(job, Worker(changed(versions={**here, "numpy": "1.0", "scipy": "1.1"})))
     expected = f"numpy 1.0, here {here['numpy']}; scipy 1.1, here {here['scipy']}"
@@ -73,14 +73,14 @@ def test_a_result_of_other_versions_is_refused(job) -> None:
     assert said == f"{job.target}: its worker has other versions: code None, here {here['code']}"
 
 
-def test_a_result_that_was_damaged_on_its_way_is_refused(job) -> None:
+def test_result_damaged_in_transfer_is_refused(job) -> None:
     damaged = f"{job.target}: not what its worker recorded: it was damaged on its way"
     assert failure(job, Worker(changed(sha256="0" * 64))) == damaged
     cut = Worker(lambda delivery: replace(delivery, content={"": delivery.content[""][:-1]}), is_remote=True)
     assert failure(job, cut) == damaged
 
 
-def test_a_result_from_elsewhere_travels(job, make_scene) -> None:
+def test_result_of_a_remote_worker_is_transferred(job, make_scene) -> None:
     pool = Worker(is_remote=True)
     assert make_missing([job], Silent(), pool).failures == {}
     assert pool.orders[0].folder is None
@@ -93,7 +93,7 @@ def test_a_result_from_elsewhere_travels(job, make_scene) -> None:
     assert sorted(path.name for path in sequence.target.iterdir()) == ["00000.png", "00001.png"]
 
 
-def test_an_error_of_a_worker_names_the_final_file(job) -> None:
+def test_worker_error_names_the_final_file(job) -> None:
     job.target.parent.chmod(0o755)
     order = Order(job, job.recipe.versions, job.target.parent / "missing")
     with pytest.raises(EmovidError, match="cannot be written: no such file or directory") as error:
@@ -101,14 +101,14 @@ def test_an_error_of_a_worker_names_the_final_file(job) -> None:
     assert str(error.value).startswith(f"{job.target}: ")
 
 
-def test_no_jobs_make_no_folder(tmp_path, monkeypatch) -> None:
+def test_no_folder_is_made_without_jobs(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     made = make_missing([], Silent(), InProcess(lambda *_: None))
     assert (made.records, made.failures) == ({}, {})
     assert list(Path().iterdir()) == []
 
 
-def test_files_that_are_up_to_date_get_the_date_of_now(job) -> None:
+def test_modification_time_of_current_files_is_updated(job) -> None:
     make_missing([job], Silent(), InProcess(lambda *_: None))
     os.utime(job.target, (0, 0))
     assert list(find_current([job], Silent())) == [job.target]
@@ -126,7 +126,7 @@ def test_measurements_that_were_changed_are_not_current(make_scene, tmp_path) ->
 
 
 class OtherRun:
-    """The journal of another live run, of which this process reads."""
+    """The journal of another live run, read by this process."""
 
     def __init__(self, folder: Path) -> None:
         self.path = folder / f".manifest.json.{PARENT}.journal"
@@ -146,7 +146,7 @@ def test_parallel_runs_share_their_jobs(make_scene, tmp_path, monkeypatch) -> No
 
     def finish_one(delivery: Delivery) -> Delivery:
         other.write("1", make(work[0]).to_json())
-        other.path.rename(tmp_path / ".manifest.json.0123456789ab-2-2.journal")  # this run ends, another one goes on
+        other.path.rename(tmp_path / ".manifest.json.0123456789ab-2-2.journal")  # this run ends, another one continues
         os.utime(tmp_path / ".manifest.json.0123456789ab-2-2.journal", (0, 0))
         return delivery
 
@@ -157,7 +157,7 @@ def test_parallel_runs_share_their_jobs(make_scene, tmp_path, monkeypatch) -> No
     assert sorted(read_manifest(tmp_path)) == ["1", "2", "3"]
 
 
-def test_a_claim_of_another_container_counts_while_its_journal_is_touched(tmp_path) -> None:
+def test_claim_of_another_container_holds_while_its_journal_is_updated(tmp_path) -> None:
     path = tmp_path / f".manifest.json.{ELSEWHERE}.journal"
     path.write_text('["a"]\n')
     with Journal(tmp_path) as journal:
@@ -167,7 +167,7 @@ def test_a_claim_of_another_container_counts_while_its_journal_is_touched(tmp_pa
         assert journal.claimed_elsewhere() == set()
 
 
-def test_a_run_touches_its_journal(tmp_path, monkeypatch) -> None:
+def test_run_updates_the_time_of_its_journal(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(manifest, "_HEARTBEAT", 0.01)
     with Journal(tmp_path) as journal:
         journal.claim("a")
@@ -179,7 +179,7 @@ def test_a_run_touches_its_journal(tmp_path, monkeypatch) -> None:
             time.sleep(0.01)
 
 
-def test_a_claim_of_a_dead_run_counts_for_nothing(tmp_path) -> None:
+def test_claim_of_a_dead_run_is_ignored(tmp_path) -> None:
     (tmp_path / ".manifest.json.0123456789ab-2-2.journal").write_text('["a"]\n')
     os.utime(tmp_path / ".manifest.json.0123456789ab-2-2.journal", (0, 0))
     with Journal(tmp_path) as journal:

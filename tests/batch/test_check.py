@@ -1,4 +1,4 @@
-"""Status and verification: every state of a result is recognized, down to the stage that differs."""
+"""Status and verification: every state of a result, and the stage that differs."""
 
 import json
 import tempfile
@@ -35,7 +35,7 @@ def states(found: list[Finding]) -> dict[str, str]:
 
 
 def record(folder: Path, section: str, name: str, **changes: object) -> None:
-    """Change what the manifest records."""
+    """Change a record of the manifest."""
     manifest = json.loads((folder / "manifest.json").read_text())
     manifest[section][name] |= changes
     (folder / "manifest.json").write_text(json.dumps(manifest))
@@ -70,7 +70,7 @@ def test_missing_stale_and_corrupt_results_are_distinguished(folder) -> None:
         ("measurements", "m", "descriptors", "in the descriptors"),
     ],
 )
-def test_the_first_stage_that_differs_is_named(folder, section, name, key, stage) -> None:
+def test_first_differing_stage_is_named(folder, section, name, key, stage) -> None:
     record(folder, section, name, **{key: {"speed_mean": 0.0} if key == "descriptors" else "another"})
     (work,) = [work for work in rebuildable(folder) if work.name == name]
     assert rebuild(work) == Finding(name, "changed", stage)
@@ -101,7 +101,7 @@ def test_a_missing_digest_never_matches(folder, key) -> None:
     assert states(verify(folder))["v.mp4"] == ("corrupt" if key == "sha256" else "current")
 
 
-def test_a_result_is_made_again_outside_its_folder_whatever_its_name(folder) -> None:
+def test_results_are_rebuilt_outside_their_folder(folder) -> None:
     (work,) = [work for work in rebuildable(folder) if work.name == "t.npz"]
     for name in ("../../t.npz", str(folder / "again.npz")):
         assert rebuild(work._replace(name=name)) == Finding(name, "current")
@@ -138,7 +138,7 @@ def test_a_contact_sheet_is_current_or_corrupt_and_never_rebuilt(folder) -> None
     assert states(status(folder))[sheet.name] == states(verify(folder))[sheet.name] == "corrupt"
 
 
-def test_a_folder_without_results_is_one_line(tmp_path) -> None:
+def test_folder_without_results_gives_a_one_line_message(tmp_path) -> None:
     for find in (status, verify):
         with pytest.raises(InputError, match=r"no results: expected a folder with a manifest\.json"):
             find(tmp_path)

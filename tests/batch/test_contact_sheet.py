@@ -1,4 +1,4 @@
-"""The contact sheet of a sweep: its layout, and when it is made again."""
+"""The contact sheet of a sweep: its layout, and the conditions for making it again."""
 
 import os
 from pathlib import Path
@@ -14,12 +14,12 @@ from emovid.batch.sweep import axes
 from emovid.batch.sweep_file import read_sweep
 from tests.helpers.batches import jobs
 
-WIDE, HIGH = 480, 270  # pixels of a picture: as wide as can be
+WIDE, HIGH = 480, 270  # the largest width of a picture [pixels]
 
 
 @pytest.fixture
 def draw(tmp_path):
-    """Give a function that makes the items of a sweep and then its sheet, and returns where that is to be."""
+    """Return a function that makes the items of a sweep and its sheet, and returns the path of the sheet."""
 
     def draw_sheet(varied: str) -> Path:
         text = f"only: trajectory\nscenes: [fear]\nset: {{duration: 0.25, robots: 2}}\n{varied}\n"
@@ -45,7 +45,7 @@ def size(file: Path) -> tuple[int, int]:
     [
         ("seeds: 1", 1, 1),
         ("seeds: 3", 3, 1),
-        ("seeds: 9", 3, 3),  # more than can be seen in one row
+        ("seeds: 9", 3, 3),  # more than fit in one row
         ("seeds: 2\ngrid: {robot.K: [4, 8, 12]}", 2, 3),
     ],
 )
@@ -55,7 +55,7 @@ def test_varied_values_are_rows_and_columns(draw, varied, columns, rows) -> None
     assert rows * HIGH < height < (rows + 1) * HIGH
 
 
-def test_a_sheet_is_made_again_only_when_its_pictures_change(draw) -> None:
+def test_sheet_is_rebuilt_only_when_its_pictures_change(draw) -> None:
     file = draw("seeds: 2")
     os.utime(file, (0, 0))
     assert draw("seeds: 2").stat().st_mtime == 0

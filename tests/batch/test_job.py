@@ -13,11 +13,11 @@ OUTSIDE = {
     "atomic_io",
     "csv_writer",
     "yaml_source",
-}  # no result depends on them
+}  # not an input of any result
 
 
 def rooms_behind(names: set[str]) -> set[str]:
-    """Return these rooms and those that they import, directly or not."""
+    """Return these packages and all packages that they import, directly or indirectly."""
     found, left = set(), list(names)
     while left:
         room = left.pop()
@@ -30,7 +30,7 @@ def rooms_behind(names: set[str]) -> set[str]:
     return found - OUTSIDE
 
 
-def test_a_change_of_any_module_behind_a_result_makes_it_stale() -> None:
+def test_change_in_any_module_of_a_result_makes_it_stale() -> None:
     for only in ("video", "trajectory", "measure"):
         rooms = set(_MODULES[only])
         assert rooms_behind(rooms) == rooms, only

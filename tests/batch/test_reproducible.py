@@ -1,4 +1,4 @@
-"""The same scene, the same bytes: for equal trajectories under every setting of the processor."""
+"""Equal trajectories give identical bytes under every setting of the processor."""
 
 import os
 import subprocess
@@ -26,7 +26,7 @@ def run(make_scene):
     [(["-cpuflags", "0"], ""), ([], ":asm=0"), (["-cpuflags", "0"], ":asm=0")],
     ids=["no SIMD in ffmpeg", "no SIMD in x264", "neither"],
 )
-def test_a_real_video_is_the_same_without_vector_instructions(run, tmp_path, monkeypatch, before, after) -> None:
+def test_video_is_identical_without_vector_instructions(run, tmp_path, monkeypatch, before, after) -> None:
     checksum = render_video(run, tmp_path / "a.mp4")
     arguments = video_arguments(run.scene.video)
     arguments[arguments.index("-x264-params") + 1] += after
@@ -46,7 +46,7 @@ print(frames_checksum(load_trajectory(Path(sys.argv[1]))))
 """
 
 
-def test_frames_are_the_same_without_vector_instructions_in_numpy(run, tmp_path) -> None:
+def test_frames_are_identical_without_numpy_vector_instructions(run, tmp_path) -> None:
     found = np.show_config(mode="dicts")["SIMD Extensions"].get("found", [])
     assert found, "this processor has none beyond the baseline"
     save_trajectory(run, tmp_path / "run.npz")
@@ -56,7 +56,7 @@ def test_frames_are_the_same_without_vector_instructions_in_numpy(run, tmp_path)
     assert said == ["[]", frames_checksum(run)]
 
 
-def test_the_checksum_is_that_of_all_frames(run, make_scene, tmp_path) -> None:
+def test_checksum_covers_all_frames(run, make_scene, tmp_path) -> None:
     assert frames_checksum(run) == render_video(run, tmp_path / "a.mp4")
     other = simulate(make_scene("disgust", KEYS | {"video.colours.stage": "#fafaf6"}))
     assert other.digest() == run.digest()

@@ -1,4 +1,4 @@
-"""The table of a sweep: equal as CSV and as Parquet, whatever types the values have."""
+"""The table of a sweep: equal as CSV and Parquet for all types of values."""
 
 import csv
 import json
@@ -37,7 +37,7 @@ def swept(tmp_path):
     return tmp_path
 
 
-def test_cells_are_the_settings_of_the_sweep(swept) -> None:
+def test_table_cells_are_the_settings_of_the_sweep(swept) -> None:
     with (swept / "results.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["item"] for row in rows] == ["1", "2", "3"]
@@ -64,12 +64,12 @@ def test_without_pyarrow_there_is_no_parquet(tmp_path, monkeypatch) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["results.csv"]
 
 
-def test_a_sweep_with_nothing_finished_has_a_table_without_rows(tmp_path) -> None:
+def test_sweep_without_finished_items_has_an_empty_table(tmp_path) -> None:
     write_table(tmp_path, EMPTY)
     assert (tmp_path / "results.csv").read_text() == "item,name\n"
 
 
-def test_values_of_several_types_are_text_in_parquet(tmp_path) -> None:
+def test_columns_of_mixed_types_are_text_in_parquet(tmp_path) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
     (tmp_path / "sweep.yaml").write_text("only: measure\nscenes: [fear, anger, sadness]\n")
     items = Items(read_sweep(tmp_path / "sweep.yaml"))

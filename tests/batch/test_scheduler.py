@@ -1,4 +1,4 @@
-"""The scheduler and its workers: few items run at once, attempts are limited, and a death affects one item."""
+"""The scheduler and its workers: limits on parallel items and attempts; the death of a worker affects only its item."""
 
 import os
 import signal
@@ -24,7 +24,7 @@ class DeathError(Exception):
 
 
 class Threads:
-    """A pool that counts what is under way, and whose workers die as told."""
+    """A pool that counts running items, with workers that die as configured."""
 
     attempts, deaths = 3, (DeathError,)
 
@@ -52,7 +52,7 @@ class Threads:
 
 @given(st.integers(1, 3), st.integers(0, 12), st.dictionaries(st.integers(0, 11), st.integers(0, 5)))
 @settings(max_examples=50)
-def test_every_item_ends_once_whatever_worker_dies(slots, count, dies) -> None:
+def test_every_item_ends_once_although_workers_die(slots, count, dies) -> None:
     told: list[tuple[int, int]] = []
     pool = Threads(slots, dies)
     with pool.threads:
@@ -84,29 +84,29 @@ def _fail(item, on_step):
         (MemoryError(), "not enough memory: fewer robots, a longer control_period or a shorter duration need less"),
     ],
 )
-def test_a_failure_is_one_line(error, message) -> None:
+def test_failure_is_reported_in_one_line(error, message) -> None:
     ((_, outcome),) = run(_fail, [error], InProcess(lambda *_: None))
     assert isinstance(outcome, EmovidError)
     assert str(outcome) == message
 
 
-def test_an_unexpected_error_names_its_place(tmp_path) -> None:
+def test_unexpected_error_names_its_location_in_the_code(tmp_path) -> None:
     ((_, outcome),) = run(_fail, [ZeroDivisionError("division by zero")], InProcess(lambda *_: None))
     assert str(outcome).startswith("unexpected ZeroDivisionError: division by zero, at test_scheduler.py:")
     ((_, outcome),) = run(_fail, [ValueError("not one line,\n  but two")], InProcess(lambda *_: None))
     assert str(outcome).startswith("unexpected ValueError: not one line, but two, at test_scheduler.py:")
 
 
-def test_a_ctrl_c_is_not_a_failure_of_the_item() -> None:
+def test_interrupt_is_not_reported_as_a_failed_item() -> None:
     with pytest.raises(KeyboardInterrupt):
         list(run(_fail, [KeyboardInterrupt()], InProcess(lambda *_: None)))
 
 
-# --- real processes --------------------------------------------------------------------------------------------------
+# --- real processes ---------------------------------------------------------------------------------------------------
 
 
 def _work(item, on_step):
-    """Do as an item says: (name, file that counts attempts, how many of them end in this signal); wait to be heard."""
+    """Run an item: (name, file that counts attempts, number of attempts that end in this signal)."""
     name, file, deaths, number = item
     with file.open("a") as tries:
         tries.write(f"{os.getpid()}\n")
@@ -140,11 +140,11 @@ def test_a_dead_worker_affects_only_its_item(tmp_path, number) -> None:
     assert sorted(heard) == [(name, 1, 2) for name in "abce"]
 
 
-def test_progress_of_a_replacement_arrives_even_if_the_death_is_noticed_late() -> None:
+def test_progress_of_a_replacement_worker_arrives_after_a_late_death_notice() -> None:
     slot, (last, its_end) = _Slot(), Pipe()
     its_end.close()
     with closing(Processes(1, lambda *_: None)) as pool:
-        pool._slots.append(slot)  # whose process is ended with the pool
+        pool._slots.append(slot)  # a process that ends with the pool
         slot.submit(_succeed, 1).result(60)
         slot.receive(last, lambda *_: None)
         assert slot.open_lines
@@ -163,7 +163,7 @@ def test_a_worker_that_died_while_idle_is_replaced() -> None:
         assert pool.submit(_pid, 2).result(60) != idle
 
 
-def test_a_late_progress_report_is_dropped() -> None:
+def test_late_progress_reports_are_dropped() -> None:
     slot, (line, worker) = _Slot(), Pipe()
     heard = []
     slot._number = 2
@@ -181,7 +181,7 @@ def _succeed(item, on_step) -> bool:
     return True
 
 
-def test_a_warning_in_a_worker_is_one_line(capfd) -> None:
+def test_worker_warnings_are_one_line(capfd) -> None:
     with closing(Processes(1, lambda *_: None)) as pool:
         pool.submit(_warn, "mind the gap").result(60)
     assert capfd.readouterr().err == "warning: mind the gap\n"
@@ -199,7 +199,7 @@ def _sleep(item: Path, on_step) -> None:
         item.unlink()
 
 
-def test_closing_a_pool_undoes_unfinished_work(tmp_path) -> None:
+def test_closing_a_pool_diskards_unfinished_work(tmp_path) -> None:
     marks = [tmp_path / name for name in "ab"]
     with closing(Processes(2, lambda *_: None)) as pool:
         for mark in marks:
@@ -219,7 +219,7 @@ def _hang(item: Path, on_step) -> None:
     item.write_text("undisturbed")
 
 
-def test_a_worker_that_ignores_sigterm_is_ended(tmp_path) -> None:
+def test_worker_that_ignores_sigterm_is_killed(tmp_path) -> None:
     with closing(Processes(1, lambda *_: None)) as pool:
         pool.submit(_hang, tmp_path / "a")
         deadline = time.monotonic() + 60

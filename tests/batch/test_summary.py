@@ -1,4 +1,4 @@
-"""The table of a sweep when several runs into one folder end at once."""
+"""The table of a sweep when several runs into one folder end at the same time."""
 
 import csv
 
@@ -17,7 +17,7 @@ SWEEP = "only: measure\nscenes: [fear]\nset: {duration: 0.5, robots: 3}\nseeds: 
 
 @pytest.fixture
 def run_item(tmp_path):
-    """Return a function that makes one item and writes the summary, as a run of its own."""
+    """Return a function that makes one item and writes the summary, as a separate run."""
     (tmp_path / "sweep.yaml").write_text(SWEEP)
     sweep = read_sweep(tmp_path / "sweep.yaml")
     every = jobs(sweep, tmp_path)
@@ -31,14 +31,14 @@ def run_item(tmp_path):
     return run
 
 
-def test_the_last_run_to_end_writes_the_table_of_all(run_item, tmp_path, monkeypatch) -> None:
+def test_last_run_to_end_writes_the_complete_table(run_item, tmp_path, monkeypatch) -> None:
     run_item(0)
     write, written = results.write_table, []
 
     def write_late(*of: object) -> None:
         written.append(of)
         if len(written) == 1:
-            run_item(2)  # another run, which ends while this one is about to write
+            run_item(2)  # another run, which ends just before this one writes
         write(*of)
 
     monkeypatch.setattr(results, "write_table", write_late)
@@ -47,7 +47,7 @@ def test_the_last_run_to_end_writes_the_table_of_all(run_item, tmp_path, monkeyp
         assert [row["item"] for row in csv.DictReader(file)] == ["1", "2", "3"]
 
 
-def test_no_run_waits_for_another(run_item, tmp_path, monkeypatch) -> None:
+def test_parallel_runs_do_not_wait_for_each_other(run_item, tmp_path, monkeypatch) -> None:
     written = []
 
     def write(*of: object) -> None:

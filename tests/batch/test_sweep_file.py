@@ -1,4 +1,4 @@
-"""Sweep files: their items, their plan, and one line for each mistake."""
+"""Sweep files: their items, their plan, and a one-line message for each error."""
 
 import re
 import shutil
@@ -33,7 +33,7 @@ def cells(sweep: Sweep) -> list[tuple]:
     return [tuple(found.cells(number).values()) for number in range(1, len(found) + 1)]
 
 
-def test_every_scene_meets_every_entry_every_point_and_every_seed(read) -> None:
+def test_items_combine_all_scenes_entries_grid_points_and_seeds(read) -> None:
     sweep = read(
         "scenes: [anger, fear]\nseeds: [3, 5]\ngrid: {robot.K: [2, 4], robot.l: [0.01]}\n"
         "list:\n  - {duration: 2}\n  - {duration: 3, robots: 4}\n"
@@ -50,7 +50,7 @@ def test_every_scene_meets_every_entry_every_point_and_every_seed(read) -> None:
         assert (scene.robot.K, scene.robot.l, scene.robots) == (cell["robot.K"], 0.01, cell["robots"] or 15)
 
 
-def test_keys_of_all_items_are_not_columns(read) -> None:
+def test_keys_set_for_all_items_are_not_columns(read) -> None:
     sweep = read("scenes: [anger]\nset: {duration: 2}\n")
     (item,) = items(sweep)
     assert Items(sweep).cells(1) == {"scene": "anger"}
@@ -71,7 +71,7 @@ def test_a_range_is_evenly_spaced(read, text, expected) -> None:
     assert [cell[1] for cell in cells(read(f"scenes: [anger]\ngrid: {{robot.K: {text}}}\n"))] == expected
 
 
-def test_a_range_of_whole_numbers_fits_a_key_that_counts(read) -> None:
+def test_integer_range_is_accepted_for_an_integer_key(read) -> None:
     assert cells(read("scenes: [fear]\ngrid: {robots: {from: 5, to: 15, count: 3}}\n")) == [
         ("fear", 5),
         ("fear", 10),
@@ -87,17 +87,17 @@ def test_testbed_scenes_are_found_from_any_folder(read, monkeypatch) -> None:
     assert item.scene.resolved() == load_scene("robotarium/sadness").resolved()
 
 
-def test_a_number_of_seeds_counts_from_1(read) -> None:
+def test_number_of_seeds_gives_seeds_from_1(read) -> None:
     assert cells(read("scenes: [fear]\nseeds: 3\n")) == [("fear", 1), ("fear", 2), ("fear", 3)]
 
 
-def test_files_are_found_from_the_sweep_s_folder(read, tmp_path, monkeypatch) -> None:
+def test_file_paths_are_relative_to_the_sweep_file(read, tmp_path, monkeypatch) -> None:
     (tmp_path / "mine.yaml").write_bytes(find_scene("sadness").read_bytes())
     monkeypatch.chdir("/")
     assert cells(read("scenes: [mine.yaml, anger]\n")) == [("mine",), ("anger",)]
 
 
-def test_names_come_from_content_and_stay_when_the_sweep_grows(read) -> None:
+def test_names_depend_on_content_and_are_stable_when_the_sweep_grows(read) -> None:
     few = items(read("scenes: [anger]\ngrid: {robot.K: [2, 4]}\n"))
     more = items(read("scenes: [fear, anger]\ngrid: {robot.K: [1, 2, 3, 4]}\n"))
     assert {item.name for item in few} < {item.name for item in more}
@@ -105,17 +105,17 @@ def test_names_come_from_content_and_stay_when_the_sweep_grows(read) -> None:
 
 
 @pytest.mark.parametrize(("only", "suffix"), [("video", ".mp4"), ("trajectory", ".npz"), ("measure", "")])
-def test_the_kind_of_result_is_in_the_name(read, only, suffix) -> None:
+def test_result_kind_is_part_of_the_name(read, only, suffix) -> None:
     (item,) = items(read(f"only: {only}\nscenes: [anger]\n"))
     assert item.name.removeprefix("anger-")[12:] == suffix
 
 
-def test_the_format_is_in_the_name(read) -> None:
+def test_format_is_part_of_the_name(read) -> None:
     sweep = read("scenes: [anger]\ngrid: {video.format: [webm, gif, png-sequence]}\n")
     assert [item.name[18:] for item in items(sweep)] == [".webm", ".gif", ""]
 
 
-def test_the_plan_is_the_same_sweep_without_other_files(read, tmp_path) -> None:
+def test_plan_reproduces_the_sweep_without_other_files(read, tmp_path) -> None:
     (tmp_path / "mine.yaml").write_bytes(find_scene("sadness").read_bytes())
     first = read(
         "only: measure\nscenes: [mine.yaml, anger]\nseeds: 2\nset: {duration: 3}\n"
@@ -128,7 +128,7 @@ def test_the_plan_is_the_same_sweep_without_other_files(read, tmp_path) -> None:
     assert again.plan(tmp_path) == first.plan(tmp_path)
 
 
-def test_the_plan_holds_the_robots_and_pictures_of_its_scenes(read, tmp_path) -> None:
+def test_plan_contains_robots_and_pictures_of_its_scenes(read, tmp_path) -> None:
     scenes = tmp_path / "scenes"
     scenes.mkdir()
     anger = find_scene("anger").read_text().replace("model: gritsbot", "model: own.yaml")
@@ -147,7 +147,7 @@ def test_the_plan_holds_the_robots_and_pictures_of_its_scenes(read, tmp_path) ->
     assert [item.name for item in items(read(plan, "plan.json"))] == named
 
 
-def test_the_plan_finds_files_that_are_set(read, tmp_path) -> None:
+def test_plan_resolves_paths_of_set_files(read, tmp_path) -> None:
     for name, grey in (("a", 0), ("b", 99), ("c", 150)):
         Image.new("L", (8, 8), grey).save(tmp_path / f"{name}.png")
     (tmp_path / "own.yaml").write_bytes((ROOT / "configs/robots/e_puck2.yaml").read_bytes())
@@ -164,7 +164,7 @@ def test_the_plan_finds_files_that_are_set(read, tmp_path) -> None:
     assert len({item.scene.behaviour.density.pixels for item in items(again)}) == 2
 
 
-def test_axes_are_named_in_the_order_of_items(read) -> None:
+def test_axes_are_listed_in_item_order(read) -> None:
     sweep = read("scenes: [anger]\nseeds: [4]\nlist: [{robots: 3, robot.l: 0.01}]\ngrid: {robot.K: [1.0, 2]}\n")
     assert axes(sweep) == [
         ("scene", ["anger"]),
@@ -223,7 +223,7 @@ WRONG = {
 
 @pytest.mark.parametrize(("text", "message"), WRONG.items())
 @pytest.mark.parametrize("folder", ["/", "."], ids=["from elsewhere", "from its folder"])
-def test_a_mistake_names_file_line_and_key(read, tmp_path, monkeypatch, folder, text, message) -> None:
+def test_error_names_file_line_and_key(read, tmp_path, monkeypatch, folder, text, message) -> None:
     monkeypatch.chdir(tmp_path / folder)
     with pytest.raises(SourceError) as error:
         items(read(text))
@@ -231,25 +231,25 @@ def test_a_mistake_names_file_line_and_key(read, tmp_path, monkeypatch, folder, 
 
 
 @pytest.mark.parametrize("text", ["", "{", "[" * 100_000, '{"scenes": 9' + "9" * 5000 + "}"])
-def test_a_plan_that_is_no_json_is_one_line(read, text) -> None:
+def test_plan_that_is_not_json_gives_a_one_line_message(read, text) -> None:
     with pytest.raises(SourceError, match=r"plan\.json: not JSON: expected a plan that emovid sweep wrote$"):
         read(text, "plan.json")
 
 
-def test_a_mistake_in_a_scene_names_the_scene(read, tmp_path) -> None:
+def test_error_in_a_scene_names_the_scene(read, tmp_path) -> None:
     (tmp_path / "mine.yaml").write_text(find_scene("sadness").read_text().replace("robots: 15", "robots: many"))
     with pytest.raises(SourceError, match=r"mine\.yaml:[0-9]+: robots: 'many': expected a whole number"):
         items(read("scenes: [mine.yaml]\n"))
 
 
 @pytest.mark.parametrize("given", ["0/4", "5/4", "a/4", "4", "1/", "-1/4", "1/2/3"])
-def test_a_shard_is_a_number_and_a_count(given) -> None:
+def test_shard_must_be_a_number_and_a_count(given) -> None:
     with pytest.raises(InputError, match="expected a number and a count, from 1/40 to 40/40"):
         shard_of(given)
     assert shard_of("40/40") == (40, 40)
 
 
-def test_the_shipped_sweep_is_valid_and_explains_every_key() -> None:
+def test_shipped_sweep_is_valid_and_comments_every_key() -> None:
     (path,) = (ROOT / "configs" / "sweeps").glob("*.yaml")
     sweep = read_sweep(path)
     assert 1 < len(items(sweep)) <= sweep_module.MAX_ITEMS

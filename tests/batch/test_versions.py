@@ -1,4 +1,4 @@
-"""Versions are those of what this process has imported, whatever is on disk now."""
+"""Recorded versions are those of the imported code, not of the files on disk."""
 
 import json
 import subprocess
@@ -51,7 +51,7 @@ def run(tmp_path):
     return run_steps
 
 
-def test_code_that_was_edited_after_its_import_keeps_its_digest(run) -> None:
+def test_code_edited_after_import_keeps_its_digest(run) -> None:
     # A worker rendered a video; then its code is edited; then it is asked for a measurement.
     video, measure = run("say('video')", EDIT, "say('measure')")
     again, edited = run("say('video')", "say('measure')")
@@ -59,18 +59,18 @@ def test_code_that_was_edited_after_its_import_keeps_its_digest(run) -> None:
     assert edited != measure
 
 
-def test_code_that_was_edited_before_anybody_looked_is_refused(run) -> None:
+def test_code_edited_before_its_first_digest_is_refused(run) -> None:
     (said,) = run(EDIT, "say('trajectory')")
     assert said == "/emovid/swarm/unicycle.py: was edited while emovid was running: start this process again"
 
 
-def test_the_digest_is_of_all_modules_of_a_kind(run) -> None:
+def test_digest_covers_all_modules_of_a_kind_of_result(run) -> None:
     video, trajectory = run("say('video')", "say('trajectory')")
     assert video != trajectory
     assert run("say('video')") == [video]
 
 
-def test_differences_are_named() -> None:
+def test_version_differences_are_named() -> None:
     here = versions("trajectory")
     assert differences(here, here) == ""
     assert differences({**here, "numpy": "1.0"}, here) == f"numpy 1.0, here {here['numpy']}"

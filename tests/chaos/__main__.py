@@ -1,4 +1,4 @@
-"""The long run of the chaos suite (`make chaos`): every fault, many random moments, and a table of violations."""
+"""The long run of the chaos suite (`make chaos`): every fault at many random times, and a table of violations."""
 
 import argparse
 import random
@@ -15,11 +15,11 @@ from tests.helpers.trial import NAMES, Fault, reference_run, try_fault
 _MARK = "<!-- written by make chaos -->"
 _SPOILT = 10
 
-Row = tuple[str, list[str]]  # a fault that was tried, and what it violated
+Row = tuple[str, list[str]]  # a fault, and the violations it caused
 
 
 def main() -> int:
-    """Try everything, print a line a trial, and write the tables if a file is given; return 1 for any violation."""
+    """Try all faults, print a line per trial, and write the tables if a file is given; return 1 for any violation."""
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--moments", type=int, default=200, help="random moments of signals")
     options.add_argument("--seed", type=int, default=20210321)

@@ -12,7 +12,7 @@ SEED = 20210321
 RNG = random.Random(SEED)  # noqa: S311 - a failure can be repeated
 MOMENTS = [at_random(RNG, SIGNALS[i % 3], victim) for i, victim in enumerate(VICTIMS)]
 LASTING = {fault.name: fault for fault in lasting()}
-CHOSEN = (  # tests/video/test_encode.py has more of them, for one video
+CHOSEN = (  # tests/video/test_encoder.py has more of them, for one video
     "a limit on the size of files",
     "a full device",
     "an ffmpeg that hangs at the start",
@@ -31,7 +31,7 @@ def reference(tmp_path_factory) -> Path:
 
 
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
-def test_a_fault_leaves_nothing_half_done(reference: Path, fault: Fault) -> None:
+def test_faults_leave_no_partial_results(reference: Path, fault: Fault) -> None:
     assert try_fault(fault, reference, reference_run(reference)) == []
 
 
@@ -52,7 +52,7 @@ def test_a_fault_leaves_nothing_half_done(reference: Path, fault: Fault) -> None
     ],
     ids=["writes in place", "leaves its temporary files", "does not count frames"],
 )
-def test_a_command_that_breaks_its_promise_is_noticed(reference: Path, broken: str, violation: str) -> None:
+def test_chaos_suite_detects_violations(reference: Path, broken: str, violation: str) -> None:
     imports = "import contextlib; from types import SimpleNamespace; from emovid import atomic_io"
     first = f"{imports}; from emovid.batch import cache; from emovid.video import encoder; {broken}"
     script = 'head -c 1000000 | "$real" "$@"; cat > /dev/null'

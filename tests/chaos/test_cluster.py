@@ -1,4 +1,4 @@
-"""The same sweep here, in shards and on a Dask cluster that loses a worker: the same table and the same bytes.
+"""A sweep in one process, in shards and on a Dask cluster that loses a worker: the same table and bytes.
 
 `make chaos` does so with 500 videos.
 """
@@ -30,7 +30,7 @@ ITEMS = 5 * 5 * 4
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
-    """Return a folder with a sweep of a hundred items, and in `here` what it gives in this process."""
+    """Return a folder with a sweep of a hundred items, and its results in this process in `here`."""
     folder = tmp_path_factory.mktemp("sweep")
     (folder / "s.yaml").write_text(SWEEP)
     assert main(["sweep", str(folder / "s.yaml"), "-o", str(folder / "here"), "--jobs", "1", "--quiet"]) == 0
@@ -49,7 +49,7 @@ def test_shards_give_the_same_table_and_bytes(folder) -> None:
     assert contents(folder / "shards") == contents(folder / "here")
 
 
-def test_a_dask_cluster_that_loses_a_worker_gives_the_same_table_and_bytes(folder, tmp_path) -> None:
+def test_dask_cluster_that_loses_a_worker_gives_the_same_table_and_bytes(folder, tmp_path) -> None:
     target = folder / "dask"
     with dask_cluster(tmp_path, 2) as (address, workers):
         command = ["sweep", str(folder / "s.yaml"), "-o", str(target), "--scheduler", address]
@@ -65,7 +65,7 @@ def test_a_dask_cluster_that_loses_a_worker_gives_the_same_table_and_bytes(folde
     assert contents(target) == contents(folder / "here")
 
 
-def test_a_scheduler_that_goes_ends_the_run_and_the_next_completes_it(folder, tmp_path) -> None:
+def test_run_ends_when_the_scheduler_stops_and_the_next_run_completes_it(folder, tmp_path) -> None:
     target, arguments = folder / "gone", ["sweep", str(folder / "s.yaml"), "-o", str(folder / "gone")]
     with dask_cluster(tmp_path, 1) as (address, _):
         command = [sys.executable, "-m", "emovid", *arguments, "--scheduler", address]
@@ -87,7 +87,7 @@ def test_a_cluster_without_dask_says_what_to_install(folder, tmp_path, capsys, m
     assert not (tmp_path / "x").exists()
 
 
-def test_an_address_without_its_certificates_is_one_line(folder, tmp_path) -> None:
+def test_tls_address_without_certificates_gives_a_one_line_message(folder, tmp_path) -> None:
     arguments = ["sweep", str(folder / "s.yaml"), "-o", str(tmp_path / "x"), "--scheduler", "tls://127.0.0.1:9"]
     done = subprocess.run([sys.executable, "-m", "emovid", *arguments], capture_output=True, text=True, check=False)
     assert done.returncode == 2
@@ -95,7 +95,7 @@ def test_an_address_without_its_certificates_is_one_line(folder, tmp_path) -> No
     assert done.stderr.count("\n") == 1
 
 
-def test_a_scheduler_that_is_not_there_is_one_line(folder, tmp_path, capsys, monkeypatch) -> None:
+def test_unreachable_scheduler_gives_a_one_line_message(folder, tmp_path, capsys, monkeypatch) -> None:
     monkeypatch.setattr(cluster, "_PATIENCE", 0.5)
     arguments = ["sweep", str(folder / "s.yaml"), "-o", str(tmp_path / "x"), "--scheduler", "tcp://127.0.0.1:9"]
     assert main(arguments) == 1
@@ -103,7 +103,7 @@ def test_a_scheduler_that_is_not_there_is_one_line(folder, tmp_path, capsys, mon
     assert not (tmp_path / "x").exists()
 
 
-def test_workers_are_waited_for_and_other_code_gets_no_work(folder, tmp_path) -> None:
+def test_run_waits_for_workers_and_refuses_those_with_other_code(folder, tmp_path) -> None:
     def sweep(*arguments: str) -> tuple[int, list[str]]:
         command = ["sweep", "s.yaml", "-o", "elsewhere", *arguments]  # relative to the folder of the command
         done = subprocess.run(

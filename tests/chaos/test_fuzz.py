@@ -1,4 +1,4 @@
-"""Any text for a scene or a sweep gives a valid video, or exit code 2 and one line. `make chaos` tries more of it."""
+"""Any text for a scene or sweep gives a valid video, or exit code 2 and one line. `make chaos` tries more texts."""
 
 import os
 import tempfile
@@ -16,7 +16,7 @@ from emovid.scene.load import load_scene, shipped_scene
 from emovid.video.ffmpeg import count_frames
 
 EXAMPLES = int(os.environ.get("EMOVID_EXAMPLES", "30"))
-# Whatever the text says, the run is short and the video is small.
+# For every text, the run is short and the video is small.
 TINY = ["--size", "64x64", "--fps", "5", "--set", "duration=0.4", "--set", "robots=3", "--set", "control_period=0.1"]
 SWEEP = """only: measure
 scenes: [anger, sadness]
@@ -54,7 +54,7 @@ WORDS = st.sampled_from(
 
 @st.composite
 def spoilt(draw, texts: list[str]) -> str:
-    """Draw one of the texts with some of its lines cut, doubled, moved, or with other words in them."""
+    """Draw one of the texts with some of its lines removed, doubled, moved, or changed."""
     lines = draw(st.sampled_from(texts)).splitlines()
     for _ in range(draw(st.integers(0, 4))):
         i = draw(st.integers(0, len(lines) - 1))
@@ -84,7 +84,7 @@ def run(command: list[str], file: Path) -> tuple[int, list[str]]:
 
 
 def check_render(command: list[str], file: Path, stem: str) -> None:
-    """Run a command that may make a video of two frames."""
+    """Run a command that makes a video of two frames if its input is valid."""
     code, said = run(command, file)
     if code == 0:
         made = [path for path in (file.parent / "out").iterdir() if path.stem == stem]
@@ -102,7 +102,7 @@ ANY = [HealthCheck.too_slow, HealthCheck.data_too_large]
 
 @given(spoilt(SCENES) | st.text(max_size=40))
 @settings(max_examples=EXAMPLES, suppress_health_check=ANY)
-def test_any_scene_gives_a_video_or_one_line(text) -> None:
+def test_any_scene_gives_a_video_or_a_one_line_message(text) -> None:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scene.yaml"
         file.write_bytes(text.encode("utf-8", "surrogatepass"))
@@ -110,7 +110,7 @@ def test_any_scene_gives_a_video_or_one_line(text) -> None:
 
 
 def leaves(keys: dict, path: str = "") -> list[str]:
-    """Return the dotted names of a scene's keys."""
+    """Return the dotted names of the keys of a scene."""
     return [
         name
         for key, value in keys.items()
@@ -118,7 +118,7 @@ def leaves(keys: dict, path: str = "") -> list[str]:
     ]
 
 
-SIZES_AND_TIMES = ("duration", "robots", "control_period", "video.size", "video.fps")  # are TINY's
+SIZES_AND_TIMES = ("duration", "robots", "control_period", "video.size", "video.fps")  # set by TINY
 KEYS = {
     emotion: [key for key in leaves(load_scene(emotion).resolved()) if key not in SIZES_AND_TIMES]
     for emotion in EMOTIONS
@@ -134,7 +134,7 @@ VALUES = st.one_of(st.floats(0.001, 3).map("{:.3g}".format), st.floats(), st.int
     )
 )
 @settings(max_examples=EXAMPLES, suppress_health_check=ANY)
-def test_any_values_of_a_scene_give_a_video_or_one_line(scene) -> None:
+def test_any_values_of_a_scene_give_a_video_or_a_one_line_message(scene) -> None:
     emotion, values = scene
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scene.yaml"
@@ -155,7 +155,7 @@ def test_any_values_of_a_scene_give_a_video_or_one_line(scene) -> None:
     ],
     ids=" ".join,
 )
-def test_a_name_longer_than_the_system_takes_is_one_line(command, capsys) -> None:
+def test_too_long_file_name_gives_a_one_line_message(command, capsys) -> None:
     assert main([part.format("x" * 300) for part in command]) == 2
     said = capsys.readouterr().err
     assert "xxx" in said
@@ -165,7 +165,7 @@ def test_a_name_longer_than_the_system_takes_is_one_line(command, capsys) -> Non
 
 @given(spoilt([SWEEP]) | st.text(max_size=40))
 @settings(max_examples=EXAMPLES, suppress_health_check=ANY)
-def test_any_sweep_gives_a_table_or_one_line(text) -> None:
+def test_any_sweep_gives_a_table_or_a_one_line_message(text) -> None:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "sweep.yaml"
         file.write_bytes(text.encode("utf-8", "surrogatepass"))

@@ -1,4 +1,4 @@
-"""Signals, to the command, to its workers and to ffmpeg, while videos are being made."""
+"""Signals to the command, its workers and ffmpeg during rendering."""
 
 import os
 import signal
@@ -12,7 +12,7 @@ import pytest
 from tests.helpers.trial import family, hidden, left_of
 
 EMOVID = [sys.executable, "-m", "emovid"]
-# Who starts the tests in the background may have made SIGINT ignored, and processes inherit that.
+# A test run in the background may ignore SIGINT, and child processes inherit that.
 LISTENING = (
     "import signal; signal.signal(signal.SIGINT, signal.default_int_handler);from emovid.cli.main import run; run()"
 )
@@ -41,7 +41,7 @@ def names(folder: Path) -> list[str]:
 
 @pytest.mark.parametrize(("sent", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 @pytest.mark.parametrize("arguments", [["--emotion", "anger"], ["--all", "--jobs", "2"]], ids=["one", "all"])
-def test_an_interrupted_render_leaves_old_files_and_nothing_else(tmp_path, sent, code, arguments) -> None:
+def test_interrupted_render_keeps_old_files_and_leaves_no_others(tmp_path, sent, code, arguments) -> None:
     (tmp_path / "anger.mp4").write_bytes(b"the old one")
     process = start(tmp_path, 60, *arguments)
     wait_for_ffmpeg(process)
@@ -57,7 +57,7 @@ def test_an_interrupted_render_leaves_old_files_and_nothing_else(tmp_path, sent,
     assert (tmp_path / "anger.mp4").read_bytes() == b"the old one"
 
 
-def test_a_killed_worker_loses_its_video_and_another_makes_it(tmp_path) -> None:
+def test_video_of_a_killed_worker_is_rendered_by_another(tmp_path) -> None:
     process = start(tmp_path, 6, "--all", "--jobs", "2")
     running = wait_for_ffmpeg(process, count=2)
     os.kill(next(pid for pid, line in running.items() if "spawn_main" in line), signal.SIGKILL)
@@ -69,7 +69,7 @@ def test_a_killed_worker_loses_its_video_and_another_makes_it(tmp_path) -> None:
     assert left_of([process.pid]) == []
 
 
-def test_a_ctrl_c_while_the_program_is_being_loaded_is_no_traceback() -> None:
+def test_interrupt_during_imports_gives_no_traceback() -> None:
     loading = (
         "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); from emovid.__main__ import run;"
         "sys.meta_path.insert(0, type('', (), {'find_spec': lambda *_: signal.raise_signal(signal.SIGINT)})()); run()"

@@ -1,4 +1,4 @@
-"""What all commands have in common: names of options, help, exit codes, colours, completion."""
+"""Conventions of all commands: option names, help, exit codes, colors, completion."""
 
 import os
 import re
@@ -17,7 +17,7 @@ from emovid.scene.emotions import EMOTIONS
 from tests.helpers.terminal import on_a_terminal
 
 EMOVID = [sys.executable, "-m", "emovid"]
-# As the installed script does: completion asks for the program's name.
+# Like the installed script: completion needs the name of the program.
 LAUNCH = [sys.executable, "-c", "import sys; sys.argv[0] = 'emovid'; from emovid.cli.main import run; run()"]
 DOCS = Path(__file__).parent.parent.parent / "docs"
 ANSI_COLOUR = re.compile(rb"\x1b\[[0-9;]*3[0-9]")
@@ -41,7 +41,7 @@ OPTIONS = [
 ]
 each_command = pytest.mark.parametrize(("name", "command"), COMMANDS.items(), ids=list(COMMANDS))
 
-# One letter, one meaning; in every command that has the option.
+# Each short option has one meaning in all commands.
 SHORT = {
     "--all": "-a",
     "--dry-run": "-n",
@@ -54,11 +54,11 @@ SHORT = {
     "--quiet": "-q",
     "--watch": "-w",
 }
-# Options that mean the same everywhere say the same everywhere.
+# Options shared by commands have the same help text.
 SHARED = ("--force", "--jobs", "--set", "--emotion")
 
 
-def test_the_list_of_commands_says_what_each_command_says() -> None:
+def test_command_list_shows_the_help_line_of_each_command() -> None:
     listed = dict(walk(get_command(app)))
     assert {name: command.help for name, command in listed.items()} == {
         name: " ".join(command.help.split("\n\n")[0].split()) for name, command in COMMANDS.items()
@@ -66,7 +66,7 @@ def test_the_list_of_commands_says_what_each_command_says() -> None:
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["study", "--help"], ["rendr"]])
-def test_the_list_of_commands_imports_none_of_them(arguments) -> None:
+def test_command_list_imports_no_command_module(arguments) -> None:
     program = f"import sys; from emovid.cli.main import main; main({arguments}); print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     ours = {name for name in done.stdout.splitlines()[-1].split() if name.startswith("emovid")}
@@ -79,21 +79,21 @@ def options(command: Any) -> set[str]:
     return {name for option in command.params for name in option.opts if name.startswith("--")}
 
 
-# --- options and help ------------------------------------------------------------------------------------------------
+# --- options and help -------------------------------------------------------------------------------------------------
 
 
-def test_an_option_has_one_long_name_and_the_same_letter_everywhere() -> None:
+def test_options_have_one_long_name_and_a_consistent_short_name() -> None:
     for name, option in OPTIONS:
         long, *short = sorted(option.opts, key=len, reverse=True)
         assert short == [SHORT[long]] if long in SHORT else short == [], (name, option.opts)
 
 
 @pytest.mark.parametrize("shared", SHARED)
-def test_an_option_that_means_the_same_says_the_same(shared) -> None:
+def test_shared_options_have_the_same_help_text(shared) -> None:
     assert len({option.help for _, option in OPTIONS if shared in option.opts}) == 1
 
 
-def test_what_is_wished_or_not_is_a_flag() -> None:
+def test_json_quiet_and_force_are_flags() -> None:
     for name, option in OPTIONS:
         if {"--json", "--quiet", "--force"} & set(option.opts):
             assert option.is_flag, name
@@ -102,13 +102,13 @@ def test_what_is_wished_or_not_is_a_flag() -> None:
 
 
 @each_command
-def test_a_command_that_writes_can_be_quiet(name, command) -> None:
+def test_every_command_that_writes_has_quiet(name, command) -> None:
     if "--output" in options(command) or "--force" in options(command):
         assert "--quiet" in options(command)
 
 
 @each_command
-def test_a_command_says_what_it_does_what_its_options_do_and_gives_examples(name, command) -> None:
+def test_every_command_documents_purpose_options_and_examples(name, command) -> None:
     summary = command.help.split("\n\n")[0]
     assert re.fullmatch(r"[A-Z].*[.]", " ".join(summary.split()))
     for option in command.params:
@@ -123,7 +123,7 @@ def examples(command: Any) -> list[str]:
 
 
 @each_command
-def test_the_examples_of_a_command_are_its_own_and_can_be_parsed(name, command) -> None:
+def test_examples_of_a_command_call_it_and_parse(name, command) -> None:
     for example in examples(command):
         words = shlex.split(example.partition(" > ")[0])
         own = ["emovid", *name.split()]
@@ -132,7 +132,7 @@ def test_the_examples_of_a_command_are_its_own_and_can_be_parsed(name, command) 
 
 
 @each_command
-def test_help_is_shown_by_both_names(name, command, capsys) -> None:
+def test_help_has_a_long_and_a_short_option(name, command, capsys) -> None:
     shown = []
     for flag in ("--help", "-h"):
         assert main([*name.split(), flag]) == 0
@@ -141,7 +141,7 @@ def test_help_is_shown_by_both_names(name, command, capsys) -> None:
     assert f"Usage: emovid {name}" in shown[0]
 
 
-# --- exit codes ------------------------------------------------------------------------------------------------------
+# --- exit codes -------------------------------------------------------------------------------------------------------
 
 
 def test_exit_codes_are_documented_in_the_help_and_in_the_docs(capsys) -> None:
@@ -152,7 +152,7 @@ def test_exit_codes_are_documented_in_the_help_and_in_the_docs(capsys) -> None:
     assert all(code in said[said.index("Exit codes") :] for code in ("0", "1", "2", "130", "143"))
 
 
-def test_every_command_that_finds_things_is_in_the_table_of_exit_codes() -> None:
+def test_every_command_with_findings_is_in_the_exit_code_table() -> None:
     listed = set(
         re.findall(r"^\| `emovid ([a-z -]+?)(?: --\w+)?` \|", (DOCS / "exit-codes.md").read_text(), re.MULTILINE)
     )
@@ -161,7 +161,7 @@ def test_every_command_that_finds_things_is_in_the_table_of_exit_codes() -> None
 
 
 @each_command
-def test_an_unknown_option_is_one_line_and_exit_code_2(name, command, capsys) -> None:
+def test_unknown_option_gives_one_line_and_exit_code_2(name, command, capsys) -> None:
     assert main([*name.split(), "--no-such-option"]) == 2
     said = capsys.readouterr()
     assert (said.out, len(said.err.splitlines())) == ("", 1)
@@ -174,7 +174,9 @@ def test_an_unknown_option_is_one_line_and_exit_code_2(name, command, capsys) ->
         (MemoryError, 1, "not enough memory: fewer robots, a longer control_period or a shorter duration need less\n"),
     ],
 )
-def test_what_ends_a_command_from_outside_is_one_line(raised, code, message, tmp_path, monkeypatch, capsys) -> None:
+def test_external_causes_of_termination_give_a_one_line_message(
+    raised, code, message, tmp_path, monkeypatch, capsys
+) -> None:
     def simulate(*_: object) -> None:
         raise raised
 
@@ -216,7 +218,7 @@ TOO_LONG = 300 * "x"
         f"study responses {TOO_LONG}",
     ],
 )
-def test_a_name_that_the_system_refuses_is_one_line_and_leaves_nothing(command, tmp_path, monkeypatch, capsys) -> None:
+def test_invalid_file_name_gives_one_line_and_writes_no_file(command, tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(command.split()) in (1, 2)
     said = capsys.readouterr()
@@ -225,7 +227,7 @@ def test_a_name_that_the_system_refuses_is_one_line_and_leaves_nothing(command, 
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_name_that_is_no_unicode_can_be_shown(tmp_path) -> None:
+def test_file_name_that_is_not_unicode_can_be_shown(tmp_path) -> None:
     name = b"caf\xe9.yaml"
     (tmp_path / os.fsdecode(name)).write_bytes((DOCS.parent / "configs" / "fear.yaml").read_bytes())
     for command in ("scene check", "measure"):
@@ -240,10 +242,10 @@ def test_help_can_be_shown_in_any_encoding() -> None:
     assert b"--overlay" in shown
 
 
-# --- colours ---------------------------------------------------------------------------------------------------------
+# --- colors -----------------------------------------------------------------------------------------------------------
 
 
-def test_colours_are_for_a_terminal_and_not_where_they_are_unwanted() -> None:
+def test_colors_are_used_on_terminals_unless_disabled() -> None:
     assert ANSI_COLOUR.search(on_a_terminal("render", "--help"))
     assert not ANSI_COLOUR.search(on_a_terminal("render", "--help", NO_COLOR="1"))
     plain = {key: value for key, value in os.environ.items() if key not in ("FORCE_COLOR", "GITHUB_ACTIONS")}
@@ -251,7 +253,7 @@ def test_colours_are_for_a_terminal_and_not_where_they_are_unwanted() -> None:
     assert b"\x1b" not in piped.stdout
 
 
-def test_results_on_a_terminal_have_no_colours_where_they_are_unwanted(tmp_path) -> None:
+def test_results_on_a_terminal_have_no_colors_when_disabled(tmp_path) -> None:
     render = ["render", "sadness", "--size", "96x64", "--set", "duration=2", "-o", str(tmp_path)]
     for arguments in (render, ["measure", "sadness", "--set", "duration=8"]):
         said = on_a_terminal(*arguments, NO_COLOR="1")
@@ -259,11 +261,11 @@ def test_results_on_a_terminal_have_no_colours_where_they_are_unwanted(tmp_path)
         assert not ANSI_COLOUR.search(said), arguments
 
 
-# --- completion ------------------------------------------------------------------------------------------------------
+# --- completion -------------------------------------------------------------------------------------------------------
 
 
 def completed(line: str, cwd: Path) -> list[str]:
-    """Return what bash would offer for the last word of a line."""
+    """Return the completions of bash for the last word of a line."""
     words = line.split(" ")
     environment = {"_EMOVID_COMPLETE": "complete_bash", "COMP_WORDS": line, "COMP_CWORD": str(len(words) - 1)}
     done = subprocess.run(LAUNCH, cwd=cwd, env=os.environ | environment, capture_output=True, text=True, check=True)
@@ -273,7 +275,7 @@ def completed(line: str, cwd: Path) -> list[str]:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
-    """A folder with two scenes, a run, and things that are neither."""
+    """A folder with two scenes, a run, and other files."""
     folder = tmp_path_factory.mktemp("work")
     (folder / "scenes").mkdir()
     for name in ("angles.yaml", "scenes/mine.yaml", "run.npz", "notes.txt", ".hidden.yaml"):
@@ -308,14 +310,14 @@ def folder(tmp_path_factory) -> Path:
         ("emovid sweep an", ["angles.yaml"]),
     ],
 )
-def test_a_shell_completes(folder, line, expected) -> None:
+def test_bash_completes_words(folder, line, expected) -> None:
     assert completed(line, folder) == expected
 
 
 @pytest.mark.parametrize(
     ("shell", "mark"), [("bash", "complete -o default -F"), ("zsh", "#compdef emovid"), ("fish", "complete --command")]
 )
-def test_the_scripts_of_shells_call_us(shell, mark) -> None:
+def test_completion_scripts_call_emovid(shell, mark) -> None:
     environment = os.environ | {"_EMOVID_COMPLETE": f"source_{shell}"}
     script = subprocess.run(LAUNCH, env=environment, capture_output=True, text=True, check=True).stdout
     assert mark in script
@@ -334,7 +336,7 @@ def test_completion_is_installed_where_bash_finds_it(tmp_path) -> None:
     assert "_EMOVID_COMPLETE=complete_bash" in script.read_text()
 
 
-def test_an_output_that_is_no_file_will_do() -> None:
+def test_standard_output_may_be_a_stringio() -> None:
     inside = (
         "import io, sys; sys.stdout = io.StringIO(); sys.argv[1:] = ['scene', 'list'];"
         "from emovid.cli.main import run; run()"

@@ -35,7 +35,7 @@ def sheet(name: str, columns: int) -> np.ndarray:
     return np.array([page[top : top + height, left : left + width] for top in tops for left in lefts])
 
 
-def test_a_scene_is_shown_at_sixteen_times_from_start_to_end() -> None:
+def test_scene_is_shown_at_sixteen_times_from_start_to_end() -> None:
     assert main(["figures", "contact-sheet", "anger", *SHORT, "--set", "video.theme=dark", "--quiet"]) == 0
     shown = sheet("anger", 4)
     scene = load_scene("anger")
@@ -46,7 +46,7 @@ def test_a_scene_is_shown_at_sixteen_times_from_start_to_end() -> None:
         assert np.array_equal(picture, painter.frame(t)[..., :3])
 
 
-def test_a_video_is_shown_as_its_scene_is() -> None:
+def test_contact_sheet_of_a_video_equals_that_of_its_scene() -> None:
     main(["render", "fear", *SHORT, "--fps", "10", "-o", "clip.mp4", "--quiet"])
     for source in ("clip.mp4", "fear"):
         keys = SHORT if source == "fear" else []
@@ -60,7 +60,7 @@ def test_a_video_is_shown_as_its_scene_is() -> None:
         assert off[i] < 2
 
 
-def test_a_finished_run_and_one_column() -> None:
+def test_finished_run_in_one_column() -> None:
     main(["simulate", "fear", "--set", "duration=1", "-o", "run.npz", "--quiet"])
     arguments = ["--count", "5", "--style", "one-column", "--format", "png", "--quiet"]
     assert main(["figures", "contact-sheet", "run.npz", *arguments]) == 0
@@ -83,7 +83,7 @@ def test_pictures_of_a_very_tall_video_are_narrow() -> None:
     for source, keys in (("tall.mp4", []), ("fear", [*SHORT, "--set", "video.size=64x4096"])):
         assert main(["figures", "contact-sheet", source, *keys, "--count", "4", "--format", "png", "--quiet"]) == 0
         with Image.open(f"figures/{Path(source).stem}-contact-sheet.png") as page:
-            assert page.height < page.width == 2148  # four beside each other, each as high as three are wide
+            assert page.height < page.width == 2148  # four in a row, each as high as three are wide
 
 
 EXPECTED = "expected one video file, scene (.yaml), finished run (.npz) or emotion"
@@ -110,7 +110,7 @@ EXPECTED = "expected one video file, scene (.yaml), finished run (.npz) or emoti
         ),
     ],
 )
-def test_a_mistake_is_one_line_and_leaves_nothing(capsys, arguments, message) -> None:
+def test_invalid_input_gives_one_line_and_writes_no_file(capsys, arguments, message) -> None:
     Path("folder.mp4").mkdir()
     Path("folder").mkdir()
     Path("text.mp4").write_text("no video")
@@ -120,7 +120,7 @@ def test_a_mistake_is_one_line_and_leaves_nothing(capsys, arguments, message) ->
     assert not Path("figures").exists()
 
 
-def test_an_emotion_is_meant_beside_a_folder_of_its_name() -> None:
-    Path("fear").mkdir()  # as a sequence of pictures, rendered here, has
+def test_emotion_name_takes_precedence_over_a_folder_of_that_name() -> None:
+    Path("fear").mkdir()  # such as an image sequence rendered in this folder
     assert main(["figures", "contact-sheet", "fear", *SHORT, "--format", "png", "--quiet"]) == 0
     assert Path("figures/fear-contact-sheet.png").exists()

@@ -22,7 +22,7 @@ def elsewhere(tmp_path, monkeypatch) -> Path:
     return tmp_path
 
 
-def test_a_whole_installation_passes_and_nothing_is_left(tmp_path, capsys) -> None:
+def test_intact_installation_passes_and_leaves_no_files(tmp_path, capsys) -> None:
     assert main(["doctor"]) == 0
     said = capsys.readouterr().out.splitlines()
     assert said[-1] == "all required checks pass"
@@ -34,7 +34,7 @@ def test_a_whole_installation_passes_and_nothing_is_left(tmp_path, capsys) -> No
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_ffmpeg_that_does_not_encode_fails_and_is_told_how_to_mend(capsys, monkeypatch) -> None:
+def test_ffmpeg_that_does_not_encode_fails_with_a_remedy(capsys, monkeypatch) -> None:
     def render(*_: object) -> str:
         raise RenderError("run.mp4: ffmpeg failed with exit status 1: Unknown encoder 'libx264'")
 
@@ -47,7 +47,7 @@ def test_an_ffmpeg_that_does_not_encode_fails_and_is_told_how_to_mend(capsys, mo
     assert any(line.startswith("missing  webm: ") for line in lines)
 
 
-def test_the_real_ffmpeg_is_asked(capsys, monkeypatch) -> None:
+def test_doctor_runs_the_real_ffmpeg(capsys, monkeypatch) -> None:
     from emovid.video import ffmpeg
 
     monkeypatch.setattr(ffmpeg, "executable", lambda: "/bin/false")
@@ -68,7 +68,7 @@ def test_missing_and_old_packages_are_named(capsys, monkeypatch) -> None:
     assert check["remedy"] == "pip install 'numpy>=2.1' 'scipy>=1.15'"
 
 
-def test_an_extra_that_is_missing_does_not_fail(capsys, monkeypatch) -> None:
+def test_missing_optional_packages_do_not_fail(capsys, monkeypatch) -> None:
     needs = ["numpy>=2.1", "nowhere>=1; extra == 'cloud'", "pytest; extra == 'dev'"]
     monkeypatch.setattr(doctor, "requires", lambda _: needs)
     assert main(["doctor", "--json"]) == 0
@@ -83,7 +83,7 @@ def test_an_extra_that_is_missing_does_not_fail(capsys, monkeypatch) -> None:
     assert "extra dev" not in checks
 
 
-def test_a_browser_is_named_if_there_is_one(capsys, monkeypatch) -> None:
+def test_installed_browser_is_named(capsys, monkeypatch) -> None:
     monkeypatch.setattr(
         doctor, "_BROWSERS", ("no-such-browser", "sh")
     )  # the first that is installed, also without a screen
@@ -102,7 +102,7 @@ def test_a_browser_is_named_if_there_is_one(capsys, monkeypatch) -> None:
     assert found(capsys)["browser"]["passed"] is False
 
 
-def test_a_folder_that_is_full_or_gone_fails(tmp_path, monkeypatch) -> None:
+def test_full_or_missing_folder_fails(tmp_path, monkeypatch) -> None:
     assert doctor._writing(tmp_path).passed
     gone = doctor._writing(tmp_path / "gone")
     assert (gone.passed, gone.found) == (False, "no such file or directory")
@@ -112,7 +112,7 @@ def test_a_folder_that_is_full_or_gone_fails(tmp_path, monkeypatch) -> None:
     assert full.remedy.startswith("free some space")
 
 
-def test_a_machine_without_a_temporary_folder_is_told_so(capsys, monkeypatch) -> None:
+def test_missing_temporary_folder_is_reported(capsys, monkeypatch) -> None:
     def none() -> str:
         raise FileNotFoundError(errno.ENOENT, "No usable temporary directory found in ['/tmp']")
 
@@ -123,7 +123,7 @@ def test_a_machine_without_a_temporary_folder_is_told_so(capsys, monkeypatch) ->
     assert (check["passed"], check["found"]) == (False, "no usable temporary directory found in ['/tmp']")
 
 
-def test_every_check_that_fails_has_a_remedy_and_no_other(monkeypatch) -> None:
+def test_only_failing_checks_have_a_remedy(monkeypatch) -> None:
     monkeypatch.setattr(doctor, "requires", lambda _: ["nowhere"])
     for check in doctor.checks(Path("/nowhere")):
         assert bool(check.remedy) == (not check.passed), check

@@ -30,7 +30,7 @@ def width_of(png: str) -> float:
     return int.from_bytes(Path(png).read_bytes()[16:20], "big") / 300
 
 
-def test_the_list_has_a_line_for_each_figure(capsys) -> None:
+def test_figure_list_has_one_line_per_figure(capsys) -> None:
     assert main(["figures", "--list"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == [*CATALOGUE, "frames", "contact-sheet", "gallery"]
@@ -46,7 +46,7 @@ def test_the_list_has_a_line_for_each_figure(capsys) -> None:
     assert files() == set()
 
 
-def test_figures_are_made_by_name_in_the_formats_and_the_width_asked_for(capsys) -> None:
+def test_figures_are_made_in_the_requested_formats_and_width(capsys) -> None:
     arguments = ["gritsbot", "behaviours", "gritsbot", "-o", "out/here", "--format", "png", "--format", "md"]
     assert main(["figures", *arguments, "--style", "two-column"]) == 0
     assert files() == {"out/here/gritsbot.png", "out/here/behaviours.md"}
@@ -56,7 +56,7 @@ def test_figures_are_made_by_name_in_the_formats_and_the_width_asked_for(capsys)
     assert said.out == ""
 
 
-def test_without_options_figures_are_pdf_and_png_of_their_own_width_and_tables_text_too() -> None:
+def test_default_formats_are_pdf_and_png_plus_text_for_tables() -> None:
     assert main(["figures", "gritsbot", "attributes", "--quiet"]) == 0
     assert files() == {
         *("figures/gritsbot.pdf", "figures/gritsbot.png"),
@@ -65,7 +65,7 @@ def test_without_options_figures_are_pdf_and_png_of_their_own_width_and_tables_t
     assert width_of("figures/gritsbot.png") == 3.5
 
 
-def test_quiet_says_nothing_and_json_says_what_was_made(capsys) -> None:
+def test_quiet_prints_nothing_and_json_lists_the_files(capsys) -> None:
     assert main(["figures", "gritsbot", "--format", "svg", "--quiet"]) == 0
     assert capsys.readouterr() == ("", "")
     assert main(["figures", "gritsbot", "--format", "svg", "--json"]) == 0
@@ -80,7 +80,7 @@ def test_frames_of_any_scene_at_any_times() -> None:
     assert files() == {"mine.yaml", "figures/mine-frames.svg"}
 
 
-def test_the_paper_s_frames_are_those_of_its_scene_with_full_traces() -> None:
+def test_frames_of_the_paper_show_its_scene_with_full_traces() -> None:
     traces = ["video.trails.robots=5", "video.trails.seconds=null", "video.trails.fade=false"]
     settings = [*traces, f"video.colours.trails=[{', '.join(5 * ['theme'])}]"]
     said = [word for setting in settings for word in ("--set", setting)]
@@ -89,14 +89,16 @@ def test_the_paper_s_frames_are_those_of_its_scene_with_full_traces() -> None:
     assert Path("other/sadness-frames.svg").read_bytes() == Path("figures/sadness-frames.svg").read_bytes()
 
 
-def test_frames_of_a_finished_run_are_those_of_its_scene() -> None:
+def test_frames_of_a_finished_run_equal_those_of_its_scene() -> None:
     main(["simulate", "fear", "--quiet", "--set", "duration=2", "-o", "run.npz"])
-    assert main(["figures", "frames", "run.npz", "--format", "svg", "--quiet"]) == 0  # the paper's 15 s are beyond it
+    assert (
+        main(["figures", "frames", "run.npz", "--format", "svg", "--quiet"]) == 0
+    )  # the time 15 s of the paper is after its end
     main(["figures", "frames", "run.npz", "--format", "svg", "--quiet", "-o", "same", "--times", "0,1,2"])
     assert Path("figures/run-frames.svg").read_bytes() == Path("same/run-frames.svg").read_bytes()
 
 
-def test_a_seed_gives_other_robots() -> None:
+def test_seed_changes_the_robot_positions() -> None:
     for seed in ("1", "2"):
         main(["figures", "anger-frames", "--format", "svg", "--quiet", "--seed", seed, "-o", seed])
     assert Path("1/anger-frames.svg").read_bytes() != Path("2/anger-frames.svg").read_bytes()
@@ -106,7 +108,9 @@ def test_figures_of_another_study_leave_out_missing_groups(capsys) -> None:
     main(["study", "simulate", "-o", "m.csv", "--participants", "12"])
     main(["study", "analyze", "m.csv", "-o", "results", "--quiet"])
     capsys.readouterr()
-    Path("marked.json").write_bytes(b"\xef\xbb\xbf" + Path("results/results.json").read_bytes())  # as some editors do
+    Path("marked.json").write_bytes(
+        b"\xef\xbb\xbf" + Path("results/results.json").read_bytes()
+    )  # as some editors write
     sources = ("results", "results/results.json", "results/confusion_matrix.csv", "marked.json")
     for number, source in enumerate(sources):
         arguments = ["confusion-matrix", "--study", source, "--format", "svg", "--quiet"]
@@ -135,7 +139,7 @@ def test_figures_without_data_are_left_out(capsys, monkeypatch) -> None:
     ]
 
 
-def test_results_with_a_group_of_another_form_are_refused(capsys) -> None:
+def test_results_with_an_invalid_group_are_refused(capsys) -> None:
     main(["study", "analyze", "--counts", str(ROOT / "studies" / "santos-egerstedt" / "counts.csv"), "--quiet"])
     results = json.loads(Path("results/results.json").read_bytes())
     Path("results/results.json").write_text(json.dumps(results | {"groups": {"gender": {"female": {}}}}))
@@ -147,7 +151,7 @@ def test_results_with_a_group_of_another_form_are_refused(capsys) -> None:
 
 
 def test_an_unwritable_folder_is_reported_before_figures_are_drawn(monkeypatch, capsys) -> None:
-    monkeypatch.setattr(os, "access", lambda *_: False)  # the tests may be run by root, who can always
+    monkeypatch.setattr(os, "access", lambda *_: False)  # root can always write
     assert main(["figures", "gritsbot", "-o", "theirs"]) == 1
     assert capsys.readouterr().err == "-o theirs: cannot be written to\n"
 
@@ -194,7 +198,7 @@ def test_an_unwritable_folder_is_reported_before_figures_are_drawn(monkeypatch, 
         (["gritsbot", "-o", "full"], "full/gritsbot.png: is a folder; expected a file that can be replaced"),
     ],
 )
-def test_a_mistake_is_one_line_and_leaves_nothing(capsys, arguments, message) -> None:
+def test_invalid_input_gives_one_line_and_writes_no_file(capsys, arguments, message) -> None:
     Path("file").write_text("as it was")
     Path("full/gritsbot.png").mkdir(parents=True)
     Path("full/gallery.html").mkdir()
@@ -205,14 +209,14 @@ def test_a_mistake_is_one_line_and_leaves_nothing(capsys, arguments, message) ->
 
 
 @pytest.mark.parametrize("text", ["{}", "[]", '{"counts": [[1]], "labels": ["a"], "emotions": ["a"], "groups": [1]}'])
-def test_a_file_without_results_is_told_apart(capsys, text) -> None:
+def test_file_without_results_is_refused(capsys, text) -> None:
     Path("x.json").write_text(text)
     assert main(["figures", "confusion-matrix", "--study", "x.json"]) == 2
     expected = "x.json: not results; expected the results.json of emovid study analyze\n"
     assert capsys.readouterr().err == expected
 
 
-def test_seeds_with_which_robots_do_not_fit_leave_nothing(capsys, monkeypatch) -> None:
+def test_seed_without_room_for_the_robots_writes_no_file(capsys, monkeypatch) -> None:
     main(["scene", "new", "mine.yaml", "--from", "fear"])
     Path("mine.yaml").write_text(Path("mine.yaml").read_text().replace("robots: 15", "robots: 900"))
     assert main(["figures", "frames", "mine.yaml"]) == 2
@@ -220,7 +224,7 @@ def test_seeds_with_which_robots_do_not_fit_leave_nothing(capsys, monkeypatch) -
     assert files() == {"mine.yaml"}
 
 
-def test_a_terminal_sees_a_bar_that_names_figures() -> None:
+def test_progress_bar_names_the_figures() -> None:
     ours, theirs = pty.openpty()
     environment = {key: value for key, value in os.environ.items() if key != "CI"} | {"TERM": "xterm"}
     command = [*EMOVID, "figures", "gritsbot", "diffeomorphism-trajectory", "--format", "svg"]
@@ -230,7 +234,7 @@ def test_a_terminal_sees_a_bar_that_names_figures() -> None:
     while True:
         try:
             part = os.read(ours, 4096)
-        except OSError:  # how Linux says that the other end is closed
+        except OSError:  # the way Linux reports a closed other end
             break
         if not part:
             break
@@ -241,12 +245,12 @@ def test_a_terminal_sees_a_bar_that_names_figures() -> None:
     os.close(ours)
 
 
-def test_matplotlib_is_imported_by_the_command_alone() -> None:
+def test_only_the_figures_command_imports_matplotlib() -> None:
     script = "import sys, emovid.cli.main; assert not {'matplotlib', 'numpy', 'pandas'} & set(sys.modules)"
     subprocess.run([sys.executable, "-c", script], check=True)
 
 
-def test_a_figure_with_other_content_is_replaced_only_by_force(capsys) -> None:
+def test_figure_with_other_content_is_replaced_only_with_force(capsys) -> None:
     frames = ["figures", "frames", "sadness", "--set", "duration=1", "--format", "svg", "--quiet"]
     assert main([*frames, "--times", "0"]) == 0
     assert main([*frames, "--times", "0"]) == 0  # the same
@@ -260,14 +264,14 @@ def test_a_figure_with_other_content_is_replaced_only_by_force(capsys) -> None:
     assert Path("figures/sadness-frames.svg").read_bytes() != before
 
 
-def test_none_of_several_figures_is_written_if_one_is_there_with_other_content() -> None:
+def test_no_figure_is_written_if_one_of_them_exists_with_other_content() -> None:
     Path("figures").mkdir()
     Path("figures/gritsbot.svg").write_text("mine")
     assert main(["figures", "attributes", "gritsbot", "--format", "svg", "--format", "md", "--quiet"]) == 2
     assert files() == {"figures/gritsbot.svg"}
 
 
-def test_one_figure_in_one_format_of_text_is_printed(capsysbinary) -> None:
+def test_single_figure_in_a_text_format_is_printed(capsysbinary) -> None:
     assert main(["figures", "attributes", "--format", "md", "--quiet"]) == 0
     assert main(["figures", "attributes", "--format", "md", "-o", "-", "--quiet"]) == 0
     assert capsysbinary.readouterr().out == Path("figures/attributes.md").read_bytes()
@@ -278,7 +282,7 @@ def test_one_figure_in_one_format_of_text_is_printed(capsysbinary) -> None:
 
 
 @pytest.mark.parametrize("name", ["fig3.pdf", "fig3.png", "fig3.eps", "a.zip", "b.ogv"])
-def test_the_name_of_a_file_is_no_folder(name, capsys) -> None:
+def test_file_as_output_folder_is_refused(name, capsys) -> None:
     assert main(["figures", "gritsbot", "-o", name]) == 2
     assert capsys.readouterr().err == f"-o {name}: cannot write .{name.partition('.')[2]}; expected a folder\n"
     assert files() == set()

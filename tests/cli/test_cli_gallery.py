@@ -1,4 +1,4 @@
-"""The gallery: one page with figures, videos and scenes, read as text and looked at in a browser."""
+"""The gallery: one page with figures, videos and scenes, checked as text and in a browser."""
 
 import re
 from base64 import b64decode
@@ -24,7 +24,7 @@ PIXEL = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR4nGP4DwABAQEAGCp
 
 
 class Outline(HTMLParser):
-    """What a page consists of: tags with their attributes in order, and whether each is closed where it must be."""
+    """The tags of a page in order with their attributes, and errors of closing tags."""
 
     def __init__(self, page: str) -> None:
         super().__init__()
@@ -75,7 +75,7 @@ def outline(file) -> Outline:
     return Outline(file.read_text(encoding="utf-8"))
 
 
-def test_the_page_is_well_formed_and_named_for_who_cannot_see_it(outline) -> None:
+def test_page_is_well_formed_with_accessible_names(outline) -> None:
     assert outline.all("html") == [{"lang": "en"}]
     levels = [int(tag[1]) for tag, _ in outline.tags if re.fullmatch("h[1-6]", tag)]
     assert levels.count(1) == 1
@@ -94,7 +94,7 @@ def test_the_page_is_well_formed_and_named_for_who_cannot_see_it(outline) -> Non
     assert all(video["aria-label"] for video in outline.all("video"))
 
 
-def test_nothing_comes_from_elsewhere(outline, file) -> None:
+def test_page_loads_nothing_from_other_hosts(outline, file) -> None:
     for tag, attributes in outline.tags:
         for key in ("src", "srcset", "poster", "href"):
             address = attributes.get(key) or "data:"
@@ -102,7 +102,7 @@ def test_nothing_comes_from_elsewhere(outline, file) -> None:
     assert not re.search(r"@import|url\(|fetch\(|<link|<iframe", file.read_text(encoding="utf-8"))
 
 
-def test_each_scene_is_there_as_it_is_written_with_its_video(outline) -> None:
+def test_page_has_each_scene_text_with_its_video(outline) -> None:
     videos = outline.all("video")
     assert len(videos) == 6
     for video in videos:
@@ -137,7 +137,7 @@ def test_progress_names_all_videos_and_figures(told, file) -> None:
     assert steps(ENTRIES) == len(told)
 
 
-def test_the_command_makes_it_of_all_figures_that_the_study_has(capsys, monkeypatch, tmp_path) -> None:
+def test_gallery_command_includes_all_figures_of_the_study(capsys, monkeypatch, tmp_path) -> None:
     monkeypatch.chdir(tmp_path)
     shown = []
 
@@ -186,7 +186,7 @@ STATES = "[...document.querySelectorAll('video')].map(video => video.paused)"
 
 
 def until(page, expression: str) -> None:
-    """Wait until something is so; the page's policy keeps playwright from doing it."""
+    """Wait until a condition holds; the content security policy of the page blocks the wait of playwright."""
     for _ in range(200):
         if page.evaluate(expression):
             return
@@ -209,7 +209,7 @@ def page(request, browser, file):
     opened.close()
 
 
-def test_on_every_screen_all_is_seen_and_nothing_sticks_out(page) -> None:
+def test_page_fits_every_screen_width(page) -> None:
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     assert page.evaluate("[...document.images].every(image => image.complete && image.naturalWidth > 0)")
     video, text = (page.locator(f"section:first-of-type {kind}").bounding_box() for kind in ("video", "pre"))
@@ -223,7 +223,7 @@ def test_on_every_screen_all_is_seen_and_nothing_sticks_out(page) -> None:
     assert min(contrasts) >= 4.5  # WCAG 2.2, 1.4.3
 
 
-def test_videos_in_view_play_and_one_stopped_by_hand_stays_so(page) -> None:
+def test_visible_videos_play_and_a_paused_video_stays_paused(page) -> None:
     first, away = "document.querySelector('video')", "document.querySelector('#figures').scrollIntoView()"
     until(page, f"{first}.currentTime > 0 && !{first}.paused")
     page.evaluate(away)
@@ -231,7 +231,7 @@ def test_videos_in_view_play_and_one_stopped_by_hand_stays_so(page) -> None:
     page.evaluate("scrollTo(0, 0)")
     until(page, f"!{first}.paused")
     page.evaluate(f"{first}.pause()")
-    page.wait_for_timeout(200)  # until the page knows
+    page.wait_for_timeout(200)  # until the page has received the event
     page.evaluate("document.querySelector('#fear').scrollIntoView()")
     until(page, "!document.querySelectorAll('video')[3].paused")
     page.evaluate("scrollTo(0, 0)")
@@ -239,7 +239,7 @@ def test_videos_in_view_play_and_one_stopped_by_hand_stays_so(page) -> None:
     assert page.evaluate(STATES)[0]
 
 
-def test_who_wants_less_motion_sees_none_until_asked_for(browser, file) -> None:
+def test_reduced_motion_preference_stops_autoplay(browser, file) -> None:
     calm = browser.new_page(reduced_motion="reduce")
     calm.goto(file.as_uri())
     calm.wait_for_timeout(500)

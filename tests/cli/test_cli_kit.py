@@ -27,7 +27,7 @@ def elsewhere(tmp_path, monkeypatch) -> None:
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory) -> Path:
-    """Build a kit of it."""
+    """Build a kit of that study."""
     folder = tmp_path_factory.mktemp("built")
     (folder / "study.yaml").write_text(SMALL)
     how = ["--seed", "7", "--participants", "12", "--quiet"]
@@ -37,23 +37,23 @@ def built(tmp_path_factory) -> Path:
 
 @pytest.fixture
 def kit(built, tmp_path) -> Path:
-    """Copy that kit to where the test works."""
+    """Copy that kit to the folder of the test."""
     shutil.copytree(built, tmp_path / "kit")
     return Path("kit")
 
 
-def test_a_new_study_is_the_sample_and_says_what_comes_next(capsys) -> None:
+def test_new_study_copies_the_example_and_prints_next_steps(capsys) -> None:
     assert main(["study", "new", "deep/my-study"]) == 0
     next_step = "edit it, then run emovid study build deep/my-study -o kit/"
     assert capsys.readouterr() == ("", f"deep/my-study/study.yaml: the paper's study; {next_step}\n")
     assert Path("deep/my-study/study.yaml").read_text() == EXAMPLE
-    assert main(["study", "new", "deep", "-q"]) == 0  # a folder that is there, without a study
+    assert main(["study", "new", "deep", "-q"]) == 0  # an existing folder without a study
     assert capsys.readouterr() == ("", "")
     loaded = load_study(Path("deep"))
     assert [item.emotion for item in loaded.exemplars] == list(loaded.study.labels)
 
 
-def test_a_new_study_takes_no_other_s_place(capsys) -> None:
+def test_new_study_does_not_replace_existing_files(capsys) -> None:
     assert main(["study", "new", "."]) == 2
     assert capsys.readouterr().err == "study.yaml: exists; expected another folder\n"
     assert Path("study.yaml").read_text() == SMALL
@@ -64,7 +64,7 @@ def test_a_new_study_takes_no_other_s_place(capsys) -> None:
     assert Path("notes").read_text() == "mine"
 
 
-def test_build_says_what_it_makes_and_warns_of_a_seed_that_can_be_guessed(capsys) -> None:
+def test_build_reports_its_files_and_warns_about_a_guessable_seed(capsys) -> None:
     assert main(["study", "build", "study.yaml", "-o", "one", "--seed", "7"]) == 0
     out, err = capsys.readouterr()
     lines = err.splitlines()
@@ -79,7 +79,7 @@ def test_build_says_what_it_makes_and_warns_of_a_seed_that_can_be_guessed(capsys
     assert "can be guessed" not in capsys.readouterr().err
 
 
-def test_the_audit_of_a_fresh_kit_prints_its_tables_and_is_content(kit, capsys) -> None:
+def test_audit_of_a_new_kit_prints_tables_and_succeeds(kit, capsys) -> None:
     assert main(["study", "audit", str(kit)]) == 0
     out = capsys.readouterr().out
     assert out.count("none") == 13
@@ -87,7 +87,7 @@ def test_the_audit_of_a_fresh_kit_prints_its_tables_and_is_content(kit, capsys) 
     assert "The bit rate inside follows the motion" in out
 
 
-def test_a_finding_is_a_line_and_exit_code_1(kit, capsys) -> None:
+def test_audit_finding_is_one_line_with_exit_code_1(kit, capsys) -> None:
     (kit / "public" / "anger.txt").write_text("a note")
     assert main(["study", "audit", str(kit)]) == 1
     out, err = capsys.readouterr()
@@ -100,7 +100,7 @@ def test_a_finding_is_a_line_and_exit_code_1(kit, capsys) -> None:
     assert said["orders"]["places_most"] == 2
 
 
-def test_who_audits_stays_blind_unless_they_ask(kit, capsys) -> None:
+def test_audit_hides_the_key_unless_requested(kit, capsys) -> None:
     key = open_kit(kit).key
     code = next(code for code in key if key[code] == "fear")
     (kit / "exports").mkdir()
@@ -113,7 +113,7 @@ def test_who_audits_stays_blind_unless_they_ask(kit, capsys) -> None:
     for blind in (said(), said("--json")):
         assert f"names an emotion beside {code}" in blind
         assert not [label for label in key.values() if label in blind]
-        assert "kbit" not in blind  # motion is what tells emotions, and bits follow it
+        assert "kbit" not in blind  # motion distinguishes emotions, and bit rates depend on it
     rows = [line.split() for line in said("--unblind").splitlines()]
     assert {row[1]: row[0] for row in rows if len(row) == 5 and row[1] in key} == key
     assert f"pages: exports/page.html: names an emotion beside {code}: fear" in said("--unblind")
@@ -122,7 +122,7 @@ def test_who_audits_stays_blind_unless_they_ask(kit, capsys) -> None:
     assert [finding["emotions"] for finding in facts["findings"]] == [["fear"]]
 
 
-def test_the_audit_reports_what_dropouts_left(kit, capsys) -> None:
+def test_audit_reports_balance_after_dropouts(kit, capsys) -> None:
     lines = [line.split(",") for line in (kit / "orders.csv").read_text().splitlines()[1:-3]]
     rows = [f"{who},{code},{place},fear" for who, place, code in lines]
     Path("answers.csv").write_text("\n".join(["participant,video,position,response", *rows, ""]))
@@ -130,7 +130,7 @@ def test_the_audit_reports_what_dropouts_left(kit, capsys) -> None:
     assert "Answers: 12 participants, 11 with all videos, 69 answers" in capsys.readouterr().out
 
 
-def test_every_tool_gets_its_files(kit, capsys) -> None:
+def test_every_export_writes_its_files(kit, capsys) -> None:
     for tool in ("jspsych", "psychopy", "qualtrics", "limesurvey", "psych-ds", "prereg", "checklist"):
         assert main(["study", "export", str(kit), "--to", tool]) == 0
         assert capsys.readouterr().err.startswith(f"kit/exports/{tool}: ")
@@ -155,19 +155,19 @@ def test_every_tool_gets_its_files(kit, capsys) -> None:
          "expected --to psych-ds"),
     ],
 )  # fmt: skip
-def test_a_mistake_is_one_line_and_exit_code_2(kit, arguments, message, capsys) -> None:
+def test_invalid_input_gives_one_line_and_exit_code_2(kit, arguments, message, capsys) -> None:
     assert main(["study", *arguments]) == 2
     assert capsys.readouterr() == ("", message + "\n")
 
 
-def test_a_terminal_sees_how_far_the_frames_are() -> None:
+def test_build_shows_frame_progress_on_a_terminal() -> None:
     said = on_a_terminal("study", "build", "study.yaml", "-o", "kit", "--participants", "6").decode()
     assert "frames" in said
     assert "30/30" in said
     assert "kit: 6 videos, orders for 6 participants" in said
 
 
-def test_the_audit_says_nothing_of_orders_that_are_missing(kit, capsys) -> None:
+def test_audit_without_orders_prints_no_order_table(kit, capsys) -> None:
     (kit / "orders.csv").unlink()
     assert main(["study", "audit", str(kit)]) == 1
     assert "Orders:" not in capsys.readouterr().out

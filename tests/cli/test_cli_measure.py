@@ -15,7 +15,7 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-def test_the_gate_prints_each_claim_and_its_verdict(capsys) -> None:
+def test_check_prints_each_claim_with_its_verdict(capsys) -> None:
     assert main(["measure", "--all", "--gate"]) == 0
     said = capsys.readouterr()
     lines = [line for line in said.out.splitlines() if line.startswith("holds")]
@@ -25,7 +25,7 @@ def test_the_gate_prints_each_claim_and_its_verdict(capsys) -> None:
     assert said.err.splitlines()[0] == "[1/6] happiness"
 
 
-def test_a_claim_that_fails_is_an_exit_code_of_1(capsys) -> None:
+def test_failed_claim_gives_exit_code_1(capsys) -> None:
     scenes = [name for name in EMOTIONS if name != "anger"]
     assert main(["scene", "new", "calm.yaml", "--from", "anger"]) == 0
     text = Path("calm.yaml").read_text().replace("u_max: 0.11 ", "u_max: 0.01 ")
@@ -52,7 +52,7 @@ def test_descriptors_as_json_and_csv(capsys) -> None:
     assert by_name["speed_mean"]["unit"] == "m/s"
 
 
-def test_a_finished_run_measures_like_its_scene(capsys) -> None:
+def test_finished_run_gives_the_same_measurements_as_its_scene(capsys) -> None:
     assert main(["measure", "disgust", "--seed", "5", "--json"]) == 0
     scene = json.loads(capsys.readouterr().out)["scenes"]["disgust"]
     for file in ("disgust.npz", "UPPER.NPZ"):
@@ -61,7 +61,7 @@ def test_a_finished_run_measures_like_its_scene(capsys) -> None:
         assert json.loads(capsys.readouterr().out)["scenes"][file] == scene
 
 
-def test_a_name_that_is_no_unicode_is_spelled_as_in_json() -> None:
+def test_file_name_that_is_not_unicode_is_escaped_as_in_json() -> None:
     name = os.fsdecode(b"caf\xe9.yaml")
     main(["scene", "new", name, "--from", "sadness", "-q"])
     assert main(["measure", name, "-o", "measure.csv", "-q"]) == 0
@@ -76,14 +76,14 @@ def test_the_seed_is_replaced_in_every_scene(capsys) -> None:
     assert json.loads(capsys.readouterr().out)["scenes"]["fear"]["speed_mean"] != first["speed_mean"]
 
 
-def test_the_table_names_each_descriptor_in_full(capsys) -> None:
+def test_table_shows_full_descriptor_names(capsys) -> None:
     assert main(["measure", "sadness"]) == 0
     said = capsys.readouterr().out
     assert all(name in said for name in DESCRIPTORS)
-    assert "0.0908" in said  # metres in 8 s
+    assert "0.0908" in said  # meters in 8 s
 
 
-def test_each_scene_says_how_long_it_was_measured(capsys) -> None:
+def test_table_shows_the_window_of_each_scene(capsys) -> None:
     assert main(["measure", "happiness", "sadness"]) == 0
     rows = [line.split() for line in capsys.readouterr().out.splitlines()]
     assert ["window", "s", "4", "8"] in rows
@@ -99,7 +99,7 @@ def test_each_scene_says_how_long_it_was_measured(capsys) -> None:
         ("radius_spread,radius_spread", ["radius_spread"]),
     ],
 )
-def test_only_the_chosen_descriptors_are_given_in_their_order(only, names, capsys) -> None:
+def test_selected_descriptors_are_shown_in_the_given_order(only, names, capsys) -> None:
     shortly = ["measure", "fear", "--only", only, "--set", "duration=1"]
     assert main([*shortly, "--json", "-o", "measure.csv"]) == 0
     assert list(json.loads(capsys.readouterr().out)["scenes"]["fear"]) == names
@@ -109,7 +109,7 @@ def test_only_the_chosen_descriptors_are_given_in_their_order(only, names, capsy
     assert [word for word in said if word in DESCRIPTORS] == names
 
 
-def test_the_gate_names_the_claims_that_robots_with_motors_need_not_fulfil_for_anger(capsys) -> None:
+def test_check_lists_claims_that_exclude_anger_for_robots_with_motors(capsys) -> None:
     main(["measure", "--gate", "--platform", "robotarium", "--set", "duration=0.3", "--quiet"])
     assert capsys.readouterr().out == ""
     main(["measure", "--gate", "--platform", "robotarium", "--set", "duration=0.3"])
@@ -139,7 +139,7 @@ def test_claims_use_all_descriptors_whichever_are_shown(capsys) -> None:
         (["measure", "fear", "--same-rate"], "--same-rate: expected one recorded motion among the sources; given 0"),
     ],
 )
-def test_a_mistake_gives_one_line(arguments: list[str], words: str, capsys) -> None:
+def test_invalid_input_gives_a_one_line_message(arguments: list[str], words: str, capsys) -> None:
     assert main(arguments) == 2
     said = capsys.readouterr()
     assert words in said.err
@@ -159,7 +159,7 @@ def test_recorded_positions_are_compared_with_a_simulation_at_their_rate(capsys)
     assert "real.csv: positions only, without commands and a density; missing: speed_p95, speed_peak" in said
 
 
-def test_a_track_measures_and_renders_like_a_run(capsys) -> None:
+def test_recorded_track_is_measured_and_rendered_like_a_run(capsys) -> None:
     assert main(["simulate", "--emotion", "fear", "--set", "duration=1", "-o", "real.csv", "--quiet"]) == 0
     Path("real.track.yaml").write_text(
         "file: real.csv\nformat: emovid\nscale: 1\ny: up\nrobot: gritsbot\nstage: {width: 1.2, height: 0.8}\n"

@@ -44,7 +44,7 @@ def test_simulate_names_its_file_by_the_scene() -> None:
     assert Path("mine.npz").read_bytes() == Path("folder/mine.npz").read_bytes()
 
 
-def test_simulate_says_what_it_did_as_json(capsys) -> None:
+def test_simulate_reports_as_json(capsys) -> None:
     assert main(["simulate", "sadness", "-o", "x.csv", "--json", "--set", "duration=1"]) == 0
     said = capsys.readouterr()
     facts = json.loads(said.out)
@@ -72,14 +72,14 @@ def test_a_finished_run_in_place_of_a_scene_is_reported(command, capsys) -> None
 # --- emovid scene ----------------------------------------------------------------------------------------------------
 
 
-def test_scene_list_has_the_six(capsys) -> None:
+def test_scene_list_shows_the_six_emotions(capsys) -> None:
     assert main(["scene", "list"]) == 0
     assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == list(EMOTIONS)
     assert main(["scene", "list", "--json"]) == 0
     assert [row["emotion"] for row in json.loads(capsys.readouterr().out)] == list(EMOTIONS)
 
 
-def test_scene_show_prints_the_file_comments_and_all(capsys) -> None:
+def test_scene_show_prints_the_file_with_comments(capsys) -> None:
     assert main(["scene", "show", "anger"]) == 0
     assert capsys.readouterr().out == shipped_scene("anger").read_text()
     assert main(["scene", "show", "anger", "--json"]) == 0
@@ -104,7 +104,7 @@ def test_scene_new_can_be_quiet(capsys) -> None:
     assert capsys.readouterr() == ("", "")
 
 
-def test_scene_new_says_that_a_folder_is_none(tmp_path, capsys) -> None:
+def test_scene_new_refuses_a_missing_folder(tmp_path, capsys) -> None:
     (tmp_path / "folder").mkdir()
     for options in ([], ["--force"]):
         assert main(["scene", "new", "folder", *options]) == 2
@@ -139,7 +139,7 @@ def test_scene_check_says_when_bodies_overlap(capsys) -> None:
     assert "(they overlap)" in capsys.readouterr().out
 
 
-def test_scene_schema_accepts_what_scenes_say(capsys) -> None:
+def test_scene_schema_accepts_the_shipped_scenes(capsys) -> None:
     assert main(["scene", "schema"]) == 0
     schema = json.loads(capsys.readouterr().out)
     jsonschema.validate(load_scene("anger").resolved(), schema)
@@ -150,14 +150,14 @@ def test_scene_schema_accepts_what_scenes_say(capsys) -> None:
 # --- the command -----------------------------------------------------------------------------------------------------
 
 
-def test_version_and_module(capsys) -> None:
+def test_version_option_and_python_m_emovid(capsys) -> None:
     assert main(["--version"]) == 0
     said = capsys.readouterr().out
     module = subprocess.run([*EMOVID, "--version"], capture_output=True, text=True, check=True)
     assert said == module.stdout == "emovid 0.1.0\n"
 
 
-def test_help_imports_nothing_heavy() -> None:
+def test_help_imports_no_slow_packages() -> None:
     for command in ([], ["scene"], ["study"]):
         shown = subprocess.run(
             [sys.executable, "-X", "importtime", "-m", "emovid", *command, "--help"],
@@ -188,14 +188,14 @@ def test_every_command_has_help(capsys, command) -> None:
 
 
 @pytest.mark.parametrize("arguments", [["foo"], ["scene", "foo"], ["scene", "show"], ["render", "--fps", "x"]])
-def test_wrong_usage_is_one_line(capsys, arguments) -> None:
+def test_wrong_usage_gives_a_one_line_message(capsys, arguments) -> None:
     assert main(arguments) == 2
     said = capsys.readouterr()
     assert len(said.err.splitlines()) == 1
     assert said.out == ""
 
 
-def test_a_reader_that_leaves_early_is_no_error() -> None:
+def test_closed_output_pipe_is_not_an_error() -> None:
     with subprocess.Popen([*EMOVID, "scene", "schema"], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.stdout
         assert process.stderr
@@ -204,7 +204,7 @@ def test_a_reader_that_leaves_early_is_no_error() -> None:
         assert process.wait() == 1
 
 
-def test_a_terminal_gets_a_bar_and_the_same_last_lines(tmp_path) -> None:
+def test_terminal_shows_a_bar_and_the_same_last_lines(tmp_path) -> None:
     size = ["--size", "320x180", "--set", "duration=6"]
     text = on_a_terminal("render", "sadness", "-o", str(tmp_path), *size).decode()
     assert "/180" in text  # the bar counts frames

@@ -13,7 +13,7 @@ from PIL import Image
 
 from emovid.cli.main import main
 
-# Who starts the tests in the background may have made SIGINT ignored, and processes inherit that.
+# A test run in the background may ignore SIGINT, and child processes inherit that.
 LISTENING = (
     "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); from emovid.cli.main import run; run()"
 )
@@ -41,19 +41,19 @@ def names() -> list[str]:
         (["-o", "a/b", "--format", "mp4"], "a/b/fear.mp4"),
     ],
 )
-def test_a_preview_is_where_the_message_says_and_nowhere_else(capsys, arguments, expected) -> None:
+def test_preview_is_written_only_to_the_reported_path(capsys, arguments, expected) -> None:
     assert main(["preview", "--emotion", "fear", *SHORT, *arguments]) == 0
     assert capsys.readouterr().err.startswith(f"{expected}: 1 s, made in ")
     assert names() == [expected]
 
 
-def test_a_file_of_another_format_than_asked_for_is_refused(tmp_path, capsys) -> None:
+def test_output_suffix_that_contradicts_the_format_is_refused(tmp_path, capsys) -> None:
     assert main(["preview", "fear", *SHORT, "-o", "x.gif", "--format", "png"]) == 2
     assert capsys.readouterr().err == "-o x.gif: cannot write .gif; expected .png, or a folder\n"
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_loop_is_small_and_plays_again_and_again() -> None:
+def test_gif_preview_is_small_and_loops() -> None:
     assert main(["preview", "fear", *SHORT, "-o", "x.gif", "-q"]) == 0
     with Image.open("x.gif") as loop:
         assert (loop.size, loop.n_frames, loop.info["loop"]) == ((320, 180), 10, 0)
@@ -71,7 +71,7 @@ def test_a_contact_sheet_shows_the_start_and_the_end_of_a_run() -> None:
     assert coloured[0] < coloured[1] < coloured[2]
 
 
-def test_an_unknown_format_gives_one_line_and_leaves_nothing(capsys) -> None:
+def test_unknown_format_gives_one_line_and_writes_no_file(capsys) -> None:
     assert main(["preview", "fear", "--format", "wemb"]) == 2
     assert capsys.readouterr().err == "--format wemb: expected one of gif, webm, mp4, png (did you mean webm?)\n"
     assert main(["preview", "fear", "-o", "x.avi"]) == 2
@@ -82,7 +82,7 @@ def test_an_unknown_format_gives_one_line_and_leaves_nothing(capsys) -> None:
 
 
 class Watched:
-    """`emovid preview my.yaml --watch`, and what it says."""
+    """`emovid preview my.yaml --watch` and its output."""
 
     def __init__(self) -> None:
         command = [sys.executable, "-u", "-c", LISTENING, "preview", "my.yaml", "--watch", "-o", "my.gif", *SHORT]
@@ -102,7 +102,7 @@ def watched() -> Iterator[Watched]:
     watched.process.communicate()
 
 
-def test_watching_goes_on_over_mistakes_until_it_is_interrupted(watched) -> None:
+def test_watching_continues_after_errors_until_interrupted(watched) -> None:
     scene = Path("my.yaml")
     good = scene.read_text()
     assert watched.says() == "watching my.yaml: Ctrl-C ends it\n"
@@ -118,7 +118,7 @@ def test_watching_goes_on_over_mistakes_until_it_is_interrupted(watched) -> None
     aside = Path("my.yaml~")  # as editors save
     aside.write_text(good.replace("robots: 15", "robots: 4"))
     scene.unlink()
-    time.sleep(0.3)  # longer than it takes to see that the file is gone
+    time.sleep(0.3)  # longer than the interval of checks for the file
     aside.rename(scene)
     assert watched.says().startswith("my.gif: 1 s, made in ")
     assert Path("my.gif").read_bytes() != first
@@ -129,7 +129,7 @@ def test_watching_goes_on_over_mistakes_until_it_is_interrupted(watched) -> None
 
 
 class _EnoughError(Exception):
-    """What ends watching, in place of a Ctrl-C."""
+    """An exception that ends watching, instead of Ctrl-C."""
 
 
 def test_watching_can_be_quiet(monkeypatch, capsys) -> None:
@@ -145,6 +145,6 @@ def test_watching_can_be_quiet(monkeypatch, capsys) -> None:
     assert capsys.readouterr() == ("", "")
 
 
-def test_watching_what_is_not_there_ends_at_once(capsys) -> None:
+def test_watching_a_missing_file_ends_at_once(capsys) -> None:
     assert main(["preview", "no.yaml", "--watch"]) == 2
     assert capsys.readouterr().err == "no.yaml: no such file or emotion\n"

@@ -1,4 +1,4 @@
-"""Bars on a terminal: one for each item under way, in whatever order other threads say what happens."""
+"""Progress bars: one for each running item, for any order of reports from other threads."""
 
 import re
 from pathlib import Path
@@ -26,7 +26,7 @@ def shown(report) -> dict[str, tuple[float, float | None]]:
     return {str(task.description): (task.completed, task.total) for task in report.progress.tasks if task.visible}
 
 
-def test_there_is_a_bar_for_each_item_under_way_and_one_for_all(capsys) -> None:
+def test_each_running_item_and_the_total_have_a_bar(capsys) -> None:
     with reporter(2, quiet=False) as report:
         report.advanced(job("a.mp4"), 1, 4)
         report.advanced(job("b.mp4"), 2, 4)
@@ -38,7 +38,7 @@ def test_there_is_a_bar_for_each_item_under_way_and_one_for_all(capsys) -> None:
 
 
 @pytest.mark.parametrize("end", ["finished", "failed"])
-def test_a_report_that_comes_after_the_end_brings_no_bar_back(end) -> None:
+def test_late_progress_report_does_not_restore_a_bar(end) -> None:
     with reporter(2, quiet=False) as report:
         report.advanced(job("a.mp4"), 1, 4)
         report.finished(job("a.mp4"), Record("video", frames=4), made=True) if end == "finished" else report.failed(
@@ -48,7 +48,7 @@ def test_a_report_that_comes_after_the_end_brings_no_bar_back(end) -> None:
         assert "a.mp4" not in shown(report)
 
 
-def test_an_item_whose_worker_died_starts_again(capsys) -> None:
+def test_bar_restarts_when_the_worker_of_an_item_dies(capsys) -> None:
     with reporter(2, quiet=False) as report:
         report.advanced(job("a.mp4"), 3, 4)
         report.died(job("a.mp4"), 1)
@@ -58,7 +58,7 @@ def test_an_item_whose_worker_died_starts_again(capsys) -> None:
     assert "a.mp4: its worker died, attempt 1; another worker tries again" in capsys.readouterr().err
 
 
-def test_an_item_whose_worker_died_before_it_began_has_no_bar_to_end(capsys) -> None:
+def test_worker_death_before_the_start_of_an_item_is_handled(capsys) -> None:
     with reporter(2, quiet=False) as report:
         report.died(job("a.mp4"), 1)
         assert shown(report) == {"all": (0, 2)}
@@ -76,20 +76,20 @@ def test_quiet_reports_failures_only(capsys) -> None:
     assert capsys.readouterr() == ("", "a.mp4: no\n")
 
 
-def test_one_item_needs_no_bar_for_all() -> None:
+def test_single_item_has_no_total_bar() -> None:
     with reporter(1, quiet=False) as report:
         report.advanced(job("a.mp4"), 1, 4)
         assert list(shown(report)) == ["a.mp4"]
 
 
-def test_what_is_listed_is_named_beside_a_bar(tmp_path) -> None:
+def test_listed_items_are_named_beside_the_bar(tmp_path) -> None:
     said = on_a_terminal("figures", "shapes", "densities", "-o", str(tmp_path), "--format", "pdf").decode()
     assert "shapes" in said
     assert "2/2" in said
 
 
 @pytest.mark.parametrize("name", ["run.npz", f"{80 * 'r'}.npz", "[red]run.npz"])
-def test_what_is_counted_has_a_bar(name, tmp_path) -> None:
+def test_counted_steps_have_a_bar(name, tmp_path) -> None:
     folder = tmp_path / ("a-folder-with-a-long-name" + 60 * "-")
     said = on_a_terminal("simulate", "sadness", "-o", str(folder / name)).decode()
     assert name[-20:] in said

@@ -33,7 +33,7 @@ def elsewhere(tmp_path, monkeypatch) -> Path:
     return tmp_path
 
 
-def test_an_emotion_goes_to_the_folder_of_videos(tmp_path) -> None:
+def test_emotion_is_rendered_into_the_videos_folder(tmp_path) -> None:
     assert render("--emotion", "anger") == 0
     assert names(tmp_path) == ["videos"]
     assert names(tmp_path / "videos") == ["anger.mp4", "manifest.json"]
@@ -43,7 +43,7 @@ def test_an_emotion_goes_to_the_folder_of_videos(tmp_path) -> None:
     ("output", "expected"),
     [("out/", "out/my_scene.mp4"), ("a/b", "a/b/my_scene.mp4"), ("x.mp4", "x.mp4"), ("c/y.MP4", "c/y.MP4")],
 )
-def test_the_output_is_a_folder_unless_it_ends_like_a_video(tmp_path, output, expected) -> None:
+def test_output_is_a_folder_unless_it_has_a_video_suffix(tmp_path, output, expected) -> None:
     main(["scene", "new", "my_scene.yaml", "--from", "sadness"])
     assert render("my_scene.yaml", "-o", output) == 0
     assert (tmp_path / expected).is_file()
@@ -61,7 +61,7 @@ def test_the_output_is_a_folder_unless_it_ends_like_a_video(tmp_path, output, ex
         (["--format", "png-sequence"], "videos/anger/00004.png"),
     ],
 )
-def test_a_format_is_what_the_output_s_name_or_an_option_says(capsys, arguments, expected) -> None:
+def test_format_follows_the_output_suffix_or_the_option(capsys, arguments, expected) -> None:
     assert render("--emotion", "anger", *arguments) == 0
     assert Path(expected).is_file()
     capsys.readouterr()
@@ -69,7 +69,7 @@ def test_a_format_is_what_the_output_s_name_or_an_option_says(capsys, arguments,
     assert "up to date" in capsys.readouterr().err
 
 
-def test_a_sequence_with_a_damaged_picture_is_made_again(capsys) -> None:
+def test_sequence_with_a_damaged_picture_is_rendered_again(capsys) -> None:
     render("--emotion", "anger", "--format", "png-sequence")
     before = Path("videos/anger/00002.png").read_bytes()
     Path("videos/anger/00002.png").write_bytes(b"spoilt")
@@ -79,13 +79,13 @@ def test_a_sequence_with_a_damaged_picture_is_made_again(capsys) -> None:
     assert Path("videos/anger/00002.png").read_bytes() == before
 
 
-def test_two_formats_stand_side_by_side_in_the_manifest() -> None:
+def test_manifest_lists_two_formats_of_one_scene() -> None:
     render("--emotion", "anger", "--format", "png-sequence")
     render("--emotion", "anger", "--format", "webm")
     assert sorted(manifest(Path("videos"))) == ["anger", "anger.webm"]
 
 
-def test_a_folder_of_other_things_is_not_replaced_by_a_sequence(capsys) -> None:
+def test_folder_with_other_files_is_not_replaced_by_a_sequence(capsys) -> None:
     Path("videos/anger").mkdir(parents=True)
     Path("videos/anger/thesis.txt").write_text("mine")
     assert render("--emotion", "anger", "--format", "png-sequence") == 2
@@ -94,7 +94,7 @@ def test_a_folder_of_other_things_is_not_replaced_by_a_sequence(capsys) -> None:
     assert names(Path("videos/anger")) == ["thesis.txt"]
 
 
-def test_theme_and_overlays_change_the_picture_and_nothing_else() -> None:
+def test_theme_and_overlays_change_only_the_picture() -> None:
     render("--emotion", "fear")
     plain = manifest(Path("videos"))["fear.mp4"]
     for look in (["--theme", "dark"], ["--overlay", "clock"], ["--overlay", "cells", "--overlay", "density"]):
@@ -104,14 +104,14 @@ def test_theme_and_overlays_change_the_picture_and_nothing_else() -> None:
         assert entry["trajectory_sha256"] == plain["trajectory_sha256"]
 
 
-def test_a_finished_run_is_shown_in_another_look() -> None:
+def test_finished_run_is_rendered_with_other_video_options() -> None:
     main(["simulate", "--emotion", "fear", "-o", "fear.npz"])
     look = ["--theme", "dark", "--overlay", "targets", "-o", "x.webm", "--size", "96x64", "--fps", "1"]
     assert main(["render", "fear.npz", *look]) == 0
     assert Path("x.webm").is_file()
 
 
-def test_the_manifest_says_how_a_video_was_made() -> None:
+def test_manifest_records_how_a_video_was_made() -> None:
     assert render("--emotion", "fear", "--seed", "9") == 0
     entry = manifest(Path("videos"))["fear.mp4"]
     assert {key: entry[key] for key in ("emotion", "seed", "frames", "fps", "size")} == {
@@ -122,7 +122,7 @@ def test_the_manifest_says_how_a_video_was_made() -> None:
     assert "libx264" in entry["encoder"]
 
 
-def test_up_to_date_results_are_not_made_again(capsys) -> None:
+def test_current_videos_are_not_rendered_again(capsys) -> None:
     render("--emotion", "anger")
     made = Path("videos/anger.mp4").stat()
     capsys.readouterr()
@@ -145,7 +145,7 @@ def test_up_to_date_results_are_not_made_again(capsys) -> None:
     ],
     ids=["video lost", "video spoilt", "manifest lost", "manifest spoilt", "manifest of another kind"],
 )
-def test_missing_or_damaged_results_are_made_again(spoil) -> None:
+def test_missing_or_damaged_videos_are_rendered_again(spoil) -> None:
     render("--emotion", "anger")
     before = Path("videos/anger.mp4").read_bytes()
     spoil()
@@ -166,7 +166,7 @@ def test_missing_or_damaged_results_are_made_again(spoil) -> None:
         (("-o", "videos/anger.mp4", "--seed", "2"), "seed"),
     ],
 )  # fmt: skip
-def test_a_video_with_other_settings_is_replaced_only_by_force(capsys, change, keys) -> None:
+def test_video_with_other_settings_is_replaced_only_with_force(capsys, change, keys) -> None:
     render("--emotion", "anger")
     before = {path: path.read_bytes() for path in Path("videos").iterdir()}
     capsys.readouterr()
@@ -177,16 +177,16 @@ def test_a_video_with_other_settings_is_replaced_only_by_force(capsys, change, k
     assert render("--emotion", "anger", *change, "--force") == 0
     assert "[1/1] videos/anger.mp4: 5 frames\nrendered 1 in" in capsys.readouterr().err
     Path("videos/anger.mp4").unlink()
-    assert render("--emotion", "anger") == 0  # there is no video to lose
+    assert render("--emotion", "anger") == 0  # no video can be lost
 
 
-def test_force_makes_a_video_again(capsys) -> None:
+def test_force_renders_a_video_again(capsys) -> None:
     render("--emotion", "anger")
     assert render("--emotion", "anger", "--force") == 0
     assert "[1/1] videos/anger.mp4: 5 frames\nrendered 1 in" in capsys.readouterr().err
 
 
-def test_a_video_of_an_edited_run_is_another_video(capsys) -> None:
+def test_video_of_an_edited_run_is_not_current(capsys) -> None:
     for seed in (1, 2):
         main(["simulate", "fear", "-o", f"{seed}/run.npz", "--seed", str(seed), "--duration", "1", "-q"])
     with np.load("2/run.npz") as arrays, np.load("1/run.npz") as others:
@@ -200,7 +200,7 @@ def test_a_video_of_an_edited_run_is_another_video(capsys) -> None:
 
 
 @pytest.mark.parametrize("name", ["anger.mp4", "anger.gif", "anger"])
-def test_a_video_that_no_manifest_knows_is_kept_if_it_is_not_the_same(name, capsys) -> None:
+def test_unrecorded_video_with_other_content_is_kept(name, capsys) -> None:
     format = {"anger": "png-sequence"}.get(name, name.partition(".")[2])
     assert render("anger", "--format", format, "-o", "other", "--seed", "5") == 0
     Path("videos").mkdir()
@@ -212,7 +212,7 @@ def test_a_video_that_no_manifest_knows_is_kept_if_it_is_not_the_same(name, caps
     assert capsys.readouterr().err == f"videos/{name} {problem}; use --force to overwrite it, or -o\n"
     assert names(Path("videos")) == [name]
     assert file_digest(Path("videos", name)) == before
-    assert render("anger", "--format", format, "--seed", "5") == 0  # the same: it is recorded
+    assert render("anger", "--format", format, "--seed", "5") == 0  # identical: it is recorded
     assert file_digest(Path("videos", name)) == before
     assert list(manifest(Path("videos"))) == [name]
     assert render("anger", "--format", format, "--force") == 0
@@ -255,7 +255,7 @@ def test_duration_replaces_the_length_of_the_run() -> None:
     assert manifest(Path("videos"))["anger.mp4"]["frames"] == 10
 
 
-def test_a_copied_folder_is_up_to_date(tmp_path, capsys) -> None:
+def test_copied_folder_is_current(tmp_path, capsys) -> None:
     render("--emotion", "anger")
     other = tmp_path / "copy"
     other.mkdir()
@@ -266,7 +266,7 @@ def test_a_copied_folder_is_up_to_date(tmp_path, capsys) -> None:
     assert "up to date" in capsys.readouterr().err
 
 
-def test_a_second_video_leaves_the_first_in_the_manifest() -> None:
+def test_second_video_keeps_the_first_in_the_manifest() -> None:
     render("--emotion", "anger")
     render("--emotion", "fear")
     assert sorted(manifest(Path("videos"))) == ["anger.mp4", "fear.mp4"]
@@ -275,7 +275,7 @@ def test_a_second_video_leaves_the_first_in_the_manifest() -> None:
     assert sorted(manifest(Path("videos"))) == ["disgust.mp4", "fear.mp4"]
 
 
-def test_all_six_are_the_same_bytes_with_one_job_and_with_two(capsys) -> None:
+def test_six_videos_are_identical_with_one_job_and_two_jobs(capsys) -> None:
     assert render("--all", "--jobs", "1", "-o", "one") == 0
     capsys.readouterr()
     assert render("--all", "--jobs", "2", "-o", "two") == 0
@@ -306,14 +306,14 @@ def test_the_order_of_presentation_is_random_and_seeded() -> None:
     assert len({tuple(order) for order in orders}) == 3
 
 
-def test_a_finished_run_is_drawn(capsys) -> None:
+def test_finished_run_is_rendered(capsys) -> None:
     main(["simulate", "--emotion", "fear", "-o", "fear.npz", "--set", "duration=1"])
     assert main(["render", "fear.npz", "--size", "96x64", "--fps", "5"]) == 0
     render("--emotion", "fear", "-o", "direct")
     assert Path("videos/fear.mp4").read_bytes() == Path("direct/fear.mp4").read_bytes()
 
 
-def test_json_goes_to_stdout_alone(capsys) -> None:
+def test_json_output_is_only_on_stdout(capsys) -> None:
     assert render("--emotion", "sadness", "--json") == 0
     said = capsys.readouterr()
     assert json.loads(said.out)["videos"]["videos/sadness.mp4"]["frames"] == 5
@@ -321,7 +321,7 @@ def test_json_goes_to_stdout_alone(capsys) -> None:
     assert json.loads(said.out)["failed"] == {}
 
 
-def test_json_has_what_is_made_and_what_failed(capsys) -> None:
+def test_json_lists_rendered_and_failed_videos(capsys) -> None:
     Path("videos/fear.mp4").mkdir(parents=True)
     assert render("--all", "--jobs", "1", "--json") == 1
     said = capsys.readouterr()
@@ -333,7 +333,7 @@ def test_json_has_what_is_made_and_what_failed(capsys) -> None:
     assert not Path("videos/presentation_order.csv").exists()
 
 
-def test_a_single_failure_is_one_line(capsys) -> None:
+def test_single_failure_gives_a_one_line_message(capsys) -> None:
     Path("videos/fear.mp4").mkdir(parents=True)
     assert render("fear") == 1
     lines = capsys.readouterr().err.splitlines()
@@ -342,7 +342,7 @@ def test_a_single_failure_is_one_line(capsys) -> None:
     assert lines[0].endswith("; run again to make what is missing")
 
 
-def test_quiet_says_nothing(capsys) -> None:
+def test_quiet_prints_nothing(capsys) -> None:
     assert render("--emotion", "sadness", "--quiet") == 0
     assert capsys.readouterr() == ("", "")
 
@@ -386,7 +386,7 @@ def test_quiet_says_nothing(capsys) -> None:
         ),
     ],
 )  # fmt: skip
-def test_a_mistake_is_one_line_and_leaves_nothing(tmp_path, capsys, arguments, message) -> None:
+def test_invalid_input_gives_one_line_and_writes_no_file(tmp_path, capsys, arguments, message) -> None:
     assert main(["render", *arguments]) == 2
     said = capsys.readouterr()
     assert said.err.splitlines() == [message]
@@ -394,7 +394,7 @@ def test_a_mistake_is_one_line_and_leaves_nothing(tmp_path, capsys, arguments, m
     assert names(tmp_path) == []
 
 
-def test_an_output_that_cannot_be_is_one_line(tmp_path, capsys) -> None:
+def test_invalid_output_gives_a_one_line_message(tmp_path, capsys) -> None:
     Path("taken").write_text("a file")
     assert render("fear", "-o", "taken") == 2
     assert capsys.readouterr().err == "-o taken: is a file; expected a folder, or a name that ends in .mp4\n"
@@ -403,7 +403,7 @@ def test_an_output_that_cannot_be_is_one_line(tmp_path, capsys) -> None:
     assert names(tmp_path) == ["taken"]
 
 
-def test_the_others_are_made_when_one_fails(tmp_path, capsys) -> None:
+def test_other_videos_are_rendered_when_one_fails(tmp_path, capsys) -> None:
     Path("videos/fear.mp4").mkdir(parents=True)
     assert render("--all", "--jobs", "2") == 1
     said = capsys.readouterr().err.splitlines()

@@ -1,4 +1,4 @@
-"""`emovid status` and `emovid verify`: what they print; what they find is tried in tests/batch."""
+"""`emovid status` and `emovid verify`: their output; tests/batch covers the checks themselves."""
 
 import json
 from pathlib import Path
@@ -20,7 +20,7 @@ def _folder(tmp_path, monkeypatch) -> None:
         assert main(["render", emotion, *TINY]) == 0
 
 
-def test_a_folder_that_is_whole_is_one_line(capsys) -> None:
+def test_intact_folder_gives_one_summary_line(capsys) -> None:
     for command in (["status"], ["verify"], ["verify", "--rebuild", "--jobs", "1"]):
         assert main([*command, "videos"]) == 0
         assert capsys.readouterr() == ("2 results: 2 current\n", "")
@@ -36,7 +36,7 @@ def test_each_problem_gives_one_line_and_exit_code_1(capsys) -> None:
     assert [(result["name"], result["state"]) for result in found["results"]] == [("fear.mp4", "missing")]
 
 
-def test_rebuilding_adds_to_what_the_hashes_say_and_hides_none_of_it(capsys) -> None:
+def test_rebuilding_reports_corrupt_files_as_hashes_do(capsys) -> None:
     Path("videos/fear.mp4").write_bytes(b"spoilt")
     assert main(["verify", "videos"]) == 1
     by_hash = capsys.readouterr().out
@@ -45,7 +45,7 @@ def test_rebuilding_adds_to_what_the_hashes_say_and_hides_none_of_it(capsys) -> 
     assert capsys.readouterr().out == by_hash
 
 
-def test_results_that_cannot_be_rebuilt_give_one_line(monkeypatch, capsys) -> None:
+def test_results_that_cannot_be_rebuilt_give_a_one_line_message(monkeypatch, capsys) -> None:
     def rebuild(*_: object) -> None:
         raise EmovidError("no room")
 
@@ -54,7 +54,7 @@ def test_results_that_cannot_be_rebuilt_give_one_line(monkeypatch, capsys) -> No
     assert capsys.readouterr() == ("", "no room\n")
 
 
-def test_rebuilding_has_a_bar_on_a_terminal() -> None:
+def test_rebuilding_shows_a_progress_bar_on_a_terminal() -> None:
     said = on_a_terminal("verify", "videos", "--rebuild", "--jobs", "1").decode()
     assert "2/2" in said
     assert "2 results: 2 current" in said

@@ -27,18 +27,18 @@ def elsewhere(tmp_path, monkeypatch) -> Path:
 
 @pytest.fixture(scope="module")
 def reference(tmp_path_factory) -> Path:
-    """Analyse the reference study as the paper did."""
+    """Analyze the reference study as the paper did."""
     folder = tmp_path_factory.mktemp("reference") / "results"
     groups = ["--by", "gender", "--by", "robotics_background"]
     assert main(["study", "analyze", str(REFERENCE / "responses.csv"), *groups, "-o", str(folder), "--quiet"]) == 0
     return folder
 
 
-def test_the_results_folder_has_all_that_is_promised(reference) -> None:
+def test_results_folder_has_the_documented_files(reference) -> None:
     assert {path.name for path in reference.iterdir()} == FILES
 
 
-def test_the_reference_study_gives_table_iii(reference) -> None:
+def test_analysis_of_the_reference_study_gives_table_iii(reference) -> None:
     results = json.loads((reference / "results.json").read_text())
     expected = [
         [64.44, 17.78, 8.89, 4.44, 4.44, 13.33],
@@ -58,7 +58,7 @@ def test_the_reference_study_gives_table_iii(reference) -> None:
     assert (len(provenance["inputs"][0]["sha256"]), provenance["key_sha256"]) == (64, None)
 
 
-def test_two_analyses_are_equal_to_the_byte(reference, tmp_path) -> None:
+def test_two_analyzes_give_identical_bytes(reference, tmp_path) -> None:
     groups = ["--by", "gender", "--by", "robotics_background"]
     assert main(["study", "analyze", str(REFERENCE / "responses.csv"), *groups, "-o", "again", "--quiet"]) == 0
     for name in FILES:
@@ -88,7 +88,7 @@ def test_blinded_codes_are_joined_with_their_key(tmp_path, capsys) -> None:
     assert len(results["provenance"]["key_sha256"]) == 64
 
 
-def test_a_published_matrix_is_analysed_alone(tmp_path, capsys) -> None:
+def test_published_matrix_is_analyzed_without_answers(tmp_path, capsys) -> None:
     assert main(["study", "analyze", "--counts", str(REFERENCE / "counts.csv"), "-o", "r"]) == 0
     first = json.loads((tmp_path / "r/results.json").read_text())
     assert main(["study", "analyze", "--counts", "r/confusion_matrix.csv", "-o", "again"]) == 0
@@ -99,7 +99,7 @@ def test_a_published_matrix_is_analysed_alone(tmp_path, capsys) -> None:
     }
 
 
-def test_model_responders_are_analysed_like_people(tmp_path, capsys) -> None:
+def test_simulated_participants_are_analyzed_like_people(tmp_path, capsys) -> None:
     options = [
         "--participants",
         "30",
@@ -121,7 +121,7 @@ def test_model_responders_are_analysed_like_people(tmp_path, capsys) -> None:
     assert len((tmp_path / "n.csv").read_text().splitlines()) == 1 + 45 * 6
 
 
-def test_a_replication_stands_beside_the_original(capsys) -> None:
+def test_replication_is_compared_with_the_original(capsys) -> None:
     main(["study", "simulate", "-o", "m.csv", "--accuracy", "0.2", "--participants", "60"])
     main(["study", "analyze", "m.csv", "-o", "r", "--quiet"])
     capsys.readouterr()
@@ -136,7 +136,7 @@ def test_a_replication_stands_beside_the_original(capsys) -> None:
         assert json.loads(capsys.readouterr().out) == found
 
 
-def test_labels_missing_in_one_study_have_no_number(tmp_path, capsys) -> None:
+def test_labels_missing_in_one_study_have_no_value(tmp_path, capsys) -> None:
     (tmp_path / "a.csv").write_text("perceived,fear,anger\nfear,5,1\nanger,1,4\n")
     (tmp_path / "b.csv").write_text("perceived,anger\nfear,2\nanger,3\n")
     assert main(["study", "compare", "a.csv", "b.csv", "--json"]) == 0
@@ -147,7 +147,7 @@ def test_labels_missing_in_one_study_have_no_number(tmp_path, capsys) -> None:
     assert capsys.readouterr().out.startswith("fear       5/6 and 0/0        no answers to compare\nanger ")
 
 
-def test_studies_of_other_labels_are_not_compared(tmp_path, capsys) -> None:
+def test_studies_with_different_labels_are_not_compared(tmp_path, capsys) -> None:
     (tmp_path / "a.csv").write_text("perceived,fear,anger\nfear,5,1\nanger,1,4\n")
     (tmp_path / "b.csv").write_text("perceived,fear\nfear,2\nsadness,3\n")
     assert main(["study", "compare", "a.csv", "b.csv"]) == 2
@@ -171,7 +171,7 @@ def test_unusable_answers_are_refused_or_shown_in_groups(tmp_path, capsys) -> No
     assert (tmp_path / "results" / "rejected.csv").read_text().count("\n") == 230
 
 
-def test_an_analysis_owns_its_files_and_no_others(tmp_path, capsys) -> None:
+def test_analysis_replaces_only_its_own_files(tmp_path, capsys) -> None:
     (tmp_path / "a.csv").write_text("perceived,fear,anger\nfear,5,1\nanger,1,4\n")
     answers = "".join(f"p{i},fear,{('fear', 'anger')[i % 2]},{'fm'[i % 2]}\n" for i in range(6))
     (tmp_path / "x.csv").write_text(f"participant,video,response,gender\n{answers}")
@@ -198,11 +198,15 @@ def test_the_map_has_a_schema(capsys) -> None:
     assert {"participant", "truth", "rows", "repeats"} <= set(schema["properties"])
 
 
-def test_results_of_an_analysis_do_not_count_as_exports(tmp_path, capsys) -> None:
+def test_results_of_an_analysis_are_not_read_as_exports(tmp_path, capsys) -> None:
     exports = tmp_path / "exports"
     exports.mkdir()
     shutil.copy(REFERENCE / "responses.csv", exports)
-    for output in ("exports/results", "exports/results", "exports"):  # the second would read the first's, ...
+    for output in (
+        "exports/results",
+        "exports/results",
+        "exports",
+    ):  # the second analysis would read the results of the first, ...
         assert main(["study", "analyze", "exports", "-o", output, "--by", "gender", "--by", "robotics_background"]) == 0
         assert "responses.csv: long table, 45 participants\n" in capsys.readouterr().out
         results = json.loads((tmp_path / output / "results.json").read_text())
@@ -212,18 +216,18 @@ def test_results_of_an_analysis_do_not_count_as_exports(tmp_path, capsys) -> Non
     for folder in ("exports", "exports/results"):
         for name in FILES:
             (tmp_path / folder / name).unlink()
-    shutil.move(tmp_path / "tidy.csv", exports / "tidy.csv")  # ... and it is known wherever it lies
+    shutil.move(tmp_path / "tidy.csv", exports / "tidy.csv")  # ... and they are recognized in any folder
     assert main(["study", "analyze", "exports", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["n_participants"] == 45
     (exports / "responses.csv").unlink()
     assert main(["study", "analyze", "exports"]) == 2
     said = "exports: no file here, except those of an analysis; expected an export of a survey\n"
     assert capsys.readouterr().err == said
-    assert main(["study", "analyze", "exports/tidy.csv", "--json"]) == 0  # named, it is read
+    assert main(["study", "analyze", "exports/tidy.csv", "--json"]) == 0  # a file given by name is read
     assert json.loads(capsys.readouterr().out)["n_participants"] == 45
 
 
-def test_a_results_json_of_another_program_hides_nothing(tmp_path, capsys) -> None:
+def test_results_json_of_another_program_does_not_hide_exports(tmp_path, capsys) -> None:
     shutil.copy(REFERENCE / "responses.csv", tmp_path / "tests.csv")
     for text in ("{}", "[1]", "{"):
         (tmp_path / "results.json").write_text(text)
@@ -231,18 +235,18 @@ def test_a_results_json_of_another_program_hides_nothing(tmp_path, capsys) -> No
         assert json.loads(capsys.readouterr().out)["n_participants"] == 45
 
 
-def test_the_column_of_participants_is_reported_where_no_name_tells_it(tmp_path, capsys) -> None:
+def test_inferred_participant_column_is_reported(tmp_path, capsys) -> None:
     lines = (REFERENCE / "responses.csv").read_text().splitlines()
     (tmp_path / "x.csv").write_text("\n".join([lines[0].replace("participant", "Code"), *lines[1:]]))
     assert main(["study", "analyze", "x.csv"]) == 0
     said = " ".join(capsys.readouterr().out.split())
     note = "x.csv: participants are told apart by 'Code': each of its 45 values answers all 6 videos once"
-    origin = "RECONSTRUCTED: these are not the answers of real participants"  # the reference study says so of its rows
+    origin = "RECONSTRUCTED: these are not the answers of real participants"  # the reference study marks its rows so
     assert said.startswith(f"x.csv: long table, 45 participants {note} {origin} signaled emotion")
     assert said.count(note) == 2  # among the warnings, too
 
 
-def test_columns_take_custom_labels(tmp_path, capsys) -> None:
+def test_columns_command_accepts_custom_labels(tmp_path, capsys) -> None:
     (tmp_path / "x.csv").write_text("participant,video,response\na,awe,calm\na,calm,awe\n")
     assert main(["study", "columns", "x.csv", "--labels", "awe,calm"]) == 0
     said = capsys.readouterr().out
@@ -252,7 +256,7 @@ def test_columns_take_custom_labels(tmp_path, capsys) -> None:
     assert "\nparticipant: participant\nvideo: video\nresponse: response\nanswers:\n" in said
 
 
-def test_a_study_is_planned(capsys) -> None:
+def test_plan_command_prints_a_sample_size(capsys) -> None:
     assert main(["study", "power", "--rate", "0.5", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["n_binomial"] == 24  # 0.5 against 1/6 at 0.05 / 6 with 80 % power
@@ -262,7 +266,7 @@ def test_a_study_is_planned(capsys) -> None:
     assert {line[32:] for line in capsys.readouterr().out.splitlines()} == {"more than can be planned"}
 
 
-def test_a_whole_study_is_planned(capsys) -> None:
+def test_plan_command_simulates_a_complete_study(capsys) -> None:
     assert main(["study", "plan", "--rate", "0.6", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert 0.78 < found["power"] < 0.9
@@ -290,7 +294,7 @@ def test_groups_are_compared_in_a_mixed_model(tmp_path, capsys) -> None:
     assert capsys.readouterr().err == "gender: one level, f; a model compares two or more\n"
 
 
-def test_simulated_answers_are_marked_wherever_they_go(tmp_path, capsys) -> None:
+def test_simulated_answers_are_marked_in_all_outputs(tmp_path, capsys) -> None:
     assert main(["study", "simulate", "--participants", "12", "-q"]) == 0
     assert {line.rpartition(",")[2] for line in (tmp_path / "simulated.csv").read_text().splitlines()[1:]} == {
         "simulated"
@@ -334,7 +338,7 @@ def test_equivalence_needs_a_margin(tmp_path, capsys) -> None:
     assert "equivalent within ±50.0 points" in capsys.readouterr().out
 
 
-def test_an_export_s_columns_are_shown(capsys) -> None:
+def test_columns_of_an_export_are_shown(capsys) -> None:
     assert main(["study", "columns", str(REFERENCE / "responses.csv")]) == 0
     said = capsys.readouterr().out
     for word in ("participant", "video", "response", "gender", "robotics_background"):
@@ -385,7 +389,7 @@ def test_an_export_s_columns_are_shown(capsys) -> None:
         (["columns", "nowhere.csv"], None),
     ],
 )
-def test_a_mistake_is_one_line_and_leaves_nothing(tmp_path, capsys, arguments, message) -> None:
+def test_invalid_input_gives_one_line_and_writes_no_file(tmp_path, capsys, arguments, message) -> None:
     assert main(["study", *arguments]) == 2
     said = capsys.readouterr()
     assert len(said.err.splitlines()) == 1
@@ -393,7 +397,7 @@ def test_a_mistake_is_one_line_and_leaves_nothing(tmp_path, capsys, arguments, m
     assert list(tmp_path.iterdir()) == []
 
 
-def test_quiet_model_participants_are_only_written(tmp_path, monkeypatch, capsys) -> None:
+def test_quiet_simulation_only_writes_its_file(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["study", "simulate", "-o", "m.csv", "-q"]) == 0
     assert capsys.readouterr() == ("", "")

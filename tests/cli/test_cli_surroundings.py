@@ -1,4 +1,4 @@
-"""Commands where people run them: notebooks, containers without a home, closed streams, folders of other programs."""
+"""Commands in special environments: notebooks, containers without a home, closed streams, existing files."""
 
 import os
 import shutil
@@ -29,10 +29,10 @@ def run(*arguments: str, **options: object) -> "subprocess.CompletedProcess[str]
     return subprocess.run([*EMOVID, *arguments], capture_output=True, text=True, check=False, **options)
 
 
-# --- processes -------------------------------------------------------------------------------------------------------
+# --- processes --------------------------------------------------------------------------------------------------------
 
 
-def test_the_backend_of_a_notebook_does_no_harm() -> None:
+def test_notebook_backend_is_ignored() -> None:
     environment = os.environ | {"MPLBACKEND": "module://matplotlib_inline.backend_inline"}
     for arguments in (["render", "ring.yaml", "-q"], ["figures", "frames", "ring.yaml", "-q"]):
         done = run(*arguments, env=environment)
@@ -40,10 +40,10 @@ def test_the_backend_of_a_notebook_does_no_harm() -> None:
 
 
 @pytest.mark.parametrize("home", ["a file", "missing"])
-def test_a_home_that_cannot_be_written_to_makes_no_noise(home, tmp_path) -> None:
+def test_unwritable_home_gives_no_messages(home, tmp_path) -> None:
     environment = {key: value for key, value in os.environ.items() if not key.startswith(("XDG_", "MPL", "HOME"))}
     environment |= {"TMPDIR": str(tmp_path)}
-    (tmp_path / "file").touch()  # which stops even root, who can write to every folder
+    (tmp_path / "file").touch()  # which even root cannot use as a folder
     environment["HOME"] = str(tmp_path / "file") if home == "a file" else "/proc/none"
     done = run("figures", "gritsbot", "--format", "png", "-q", env=environment)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
@@ -52,7 +52,7 @@ def test_a_home_that_cannot_be_written_to_makes_no_noise(home, tmp_path) -> None
 
 
 @pytest.mark.parametrize("closed", ["2>&-", ">&- 2>&-", "<&- >&- 2>&-"])
-def test_closed_streams_end_up_in_no_file(closed, tmp_path) -> None:
+def test_closed_standard_streams_do_not_corrupt_files(closed, tmp_path) -> None:
     command = " ".join([*EMOVID, "render", "ring.yaml", "-o", "x.mp4", *SMALL])
     done = subprocess.run(["/bin/sh", "-c", f"{command} {closed}"], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
@@ -60,7 +60,7 @@ def test_closed_streams_end_up_in_no_file(closed, tmp_path) -> None:
     assert Path("x.mp4").read_bytes() == Path("y/x.mp4").read_bytes()
 
 
-def test_work_goes_on_when_nobody_reads_the_messages_any_more() -> None:
+def test_command_continues_after_its_message_reader_exits() -> None:
     ours, theirs = os.pipe()
     os.close(ours)
     done = subprocess.run([*EMOVID, "render", "ring.yaml", "-o", "x.mp4", *SMALL], stderr=theirs, check=False)
@@ -74,7 +74,7 @@ def test_work_goes_on_when_nobody_reads_the_messages_any_more() -> None:
     assert done.returncode == 2
 
 
-def test_a_wrong_variable_for_ffmpeg_is_named() -> None:
+def test_wrong_ffmpeg_environment_variable_is_named() -> None:
     done = run("render", "ring.yaml", "-o", "a.mp4", env=os.environ | {"IMAGEIO_FFMPEG_EXE": "/opt/gone/ffmpeg"})
     assert done.returncode == 1
     assert (
@@ -82,7 +82,7 @@ def test_a_wrong_variable_for_ffmpeg_is_named() -> None:
     )
 
 
-def test_ffmpeg_is_not_blamed_for_a_limit_of_the_system() -> None:
+def test_system_limits_are_not_reported_as_ffmpeg_errors() -> None:
     command = " ".join([*EMOVID, "render", "ring.yaml", "-o", "a.mp4"])
     done = subprocess.run(["/bin/sh", "-c", f"ulimit -n 8; {command}"], capture_output=True, text=True, check=False)
     assert done.returncode == 1
@@ -99,7 +99,7 @@ def test_ffmpeg_is_not_blamed_for_a_limit_of_the_system() -> None:
         ["figures", "gritsbot", "-o", "closed/figures"],
     ],
 )
-def test_missing_permissions_have_one_exit_code(arguments, tmp_path, monkeypatch, capsys) -> None:
+def test_missing_permissions_give_the_same_exit_code(arguments, tmp_path, monkeypatch, capsys) -> None:
     def deny(path: Path, *_: object, **__: object) -> None:
         raise PermissionError(13, "Permission denied", str(path))
 
@@ -111,7 +111,7 @@ def test_missing_permissions_have_one_exit_code(arguments, tmp_path, monkeypatch
     assert "permission denied" in capsys.readouterr().err
 
 
-# --- files -----------------------------------------------------------------------------------------------------------
+# --- files ------------------------------------------------------------------------------------------------------------
 
 
 def test_a_manifest_of_a_web_page_is_kept(capsys) -> None:
@@ -124,7 +124,7 @@ def test_a_manifest_of_a_web_page_is_kept(capsys) -> None:
     assert [path.name for path in Path("site").iterdir()] == ["manifest.json"]
 
 
-def test_pictures_end_up_where_a_link_points(tmp_path) -> None:
+def test_image_sequence_follows_a_symbolic_link(tmp_path) -> None:
     (tmp_path / "disk" / "ring").mkdir(parents=True)
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "ring").symlink_to("../disk/ring")
@@ -144,19 +144,19 @@ def test_pictures_end_up_where_a_link_points(tmp_path) -> None:
         ("preview ring.yaml", "-"), ("sweep look_ahead_and_gain", "-"), ("figures gritsbot", "-"),
     ],
 )  # fmt: skip
-def test_a_name_that_is_no_folder_is_refused_before_anything_is_written(command, name, capsys) -> None:
+def test_output_that_is_not_a_folder_is_refused_before_writing(command, name, capsys) -> None:
     assert main([*command.split(), "-o", name]) == 2
     assert capsys.readouterr().err.startswith(f"-o {name}: ")
     assert sorted(path.name for path in Path().iterdir()) == ["ring.yaml"]
 
 
 @pytest.mark.parametrize("name", ["results.v2", "2024.11.30", "a.b c"])
-def test_a_folder_may_have_a_dot_in_its_name(name) -> None:
+def test_folder_names_may_contain_a_dot(name) -> None:
     assert main(["simulate", "ring.yaml", "-o", name, "-q"]) == 0
     assert Path(name, "ring.npz").is_file()
 
 
-def test_tables_are_printed_where_the_output_is_a_dash(capsysbinary) -> None:
+def test_dash_as_output_prints_tables(capsysbinary) -> None:
     assert main(["simulate", "ring.yaml", "-o", "ring.csv", "-q"]) == 0
     assert main(["simulate", "ring.yaml", "-o", "-", "-q"]) == 0
     assert capsysbinary.readouterr().out == Path("ring.csv").read_bytes()
@@ -176,7 +176,7 @@ def test_tables_are_printed_where_the_output_is_a_dash(capsysbinary) -> None:
         ("export robotarium anger -o x.py", "--seed 5", "x.py exists with other content"),
     ],
 )
-def test_a_file_with_other_content_is_replaced_only_by_force(command, other, name, capsys) -> None:
+def test_file_with_other_content_is_replaced_only_with_force(command, other, name, capsys) -> None:
     target = Path(name.partition(" ")[0])
     assert main(command.split()) == 0
     assert main(command.split()) == 0
@@ -201,7 +201,7 @@ def test_a_file_that_is_not_a_trajectory_is_kept(capsys) -> None:
     ("part", "problem"),
     [(slice(8, None), "t begins at 0.264, expected 0"), (slice(0, -4), "t ends at 0.396, expected the duration, 0.5")],
 )
-def test_a_run_that_was_cut_is_refused_by_name(part, problem, capsys) -> None:
+def test_truncated_run_is_refused_by_name(part, problem, capsys) -> None:
     assert main(["simulate", "ring.yaml", "-o", "run.npz", "-q"]) == 0
     with np.load("run.npz") as arrays:
         kept = {name: array[part] if array.ndim else array for name, array in arrays.items()}
@@ -210,17 +210,17 @@ def test_a_run_that_was_cut_is_refused_by_name(part, problem, capsys) -> None:
     assert capsys.readouterr().err == f"cut.npz: not a whole run: {problem}\n"
 
 
-def test_a_table_of_a_run_is_told_from_a_scene(capsys) -> None:
+def test_csv_of_a_run_is_not_read_as_a_scene(capsys) -> None:
     assert main(["simulate", "ring.yaml", "-o", "run.csv", "-q"]) == 0
     assert main(["render", "run.csv", "-o", "a.mp4"]) == 2
     expected = "run.csv: is a table; expected a scene (.yaml), or a run as emovid simulate -o RUN.npz\n"
     assert capsys.readouterr().err == expected
 
 
-# --- scenes ----------------------------------------------------------------------------------------------------------
+# --- scenes -----------------------------------------------------------------------------------------------------------
 
 
-def test_a_tab_before_a_comment_is_yaml() -> None:
+def test_tab_before_a_comment_is_accepted() -> None:
     assert load_scene(CASES / "tab.yaml").seed == 1
 
 
@@ -238,7 +238,7 @@ def test_a_tab_before_a_comment_is_yaml() -> None:
         (["ring.yaml", "--seed", "-1"], "--seed -1: expected a whole number, at least 0 (did you mean 0?)"),
     ],
 )  # fmt: skip
-def test_a_mistake_in_a_scene_is_answered_with_what_works(arguments, message, capsys) -> None:
+def test_error_in_a_scene_names_a_valid_value(arguments, message, capsys) -> None:
     shutil.copy(CASES / "yes.yaml", ".")
     assert main(["scene", "check", *arguments]) == 2
     assert capsys.readouterr().err == message + "\n"
@@ -258,12 +258,12 @@ def test_a_mistake_in_a_scene_is_answered_with_what_works(arguments, message, ca
         ("render ring.yaml -o foo.mov", "-o foo.mov: cannot write .mov; expected .mp4, or a folder"),
     ],
 )  # fmt: skip
-def test_a_mistake_in_an_option_is_answered_with_what_works(arguments, message, capsys) -> None:
+def test_error_in_an_option_names_a_valid_value(arguments, message, capsys) -> None:
     assert main(arguments.split()) == 2
     assert capsys.readouterr().err == message + "\n"
 
 
-def test_a_control_period_as_long_as_the_run_is_warned_of(capsys) -> None:
+def test_control_period_as_long_as_the_run_gives_a_warning(capsys) -> None:
     assert main(["scene", "check", "ring.yaml", "--set", "control_period=0.5"]) == 0
     expected = "warning: control_period: 0.5 s is as long as the run: every robot keeps its first command\n"
     assert capsys.readouterr().err == expected
@@ -282,7 +282,7 @@ def test_a_copied_scene_finds_its_robot(capsys) -> None:
     assert moved == Path("own.yaml").read_text().replace("puck.yaml", "../puck.yaml", 1)
 
 
-def test_a_robot_in_an_option_is_looked_for_where_the_user_is() -> None:
+def test_robot_path_in_an_option_is_relative_to_the_working_folder() -> None:
     shutil.copy(CASES / "puck.yaml", ".")
     Path("sub").mkdir()
     shutil.copy("ring.yaml", "sub")

@@ -36,7 +36,7 @@ def rows(folder: str) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def test_a_sweep_leaves_videos_a_table_a_sheet_and_its_plan(capsys) -> None:
+def test_sweep_writes_videos_table_contact_sheet_and_plan(capsys) -> None:
     assert sweep("--jobs", 1) == 0
     assert "made 8 in" in capsys.readouterr().err
     made = contents("sweeps/s")
@@ -54,7 +54,7 @@ def test_a_sweep_leaves_videos_a_table_a_sheet_and_its_plan(capsys) -> None:
     assert parquet.astype(str).to_dict("records") == table
 
 
-def test_jobs_shards_and_one_by_one_are_the_same_bytes(capsys) -> None:
+def test_jobs_shards_and_single_process_give_identical_bytes(capsys) -> None:
     assert sweep("-o", "one", "--jobs", 1) == 0
     assert sweep("-o", "two", "--jobs", 2) == 0
     for shard in (2, 3, 1):
@@ -63,7 +63,7 @@ def test_jobs_shards_and_one_by_one_are_the_same_bytes(capsys) -> None:
     assert contents("one") == contents("two") == contents("parts")
 
 
-def test_nothing_is_made_again_also_after_a_copy(capsys) -> None:
+def test_current_results_are_kept_also_in_a_copied_folder(capsys) -> None:
     sweep("-o", "a", "--jobs", 1)
     shutil.copytree("a", "b")
     before = contents("b")
@@ -87,7 +87,7 @@ def test_only_missing_or_damaged_items_are_made(capsys, spoil) -> None:
     assert contents("a") == before
 
 
-def test_a_sweep_that_grows_makes_what_is_new(capsys) -> None:
+def test_extended_sweep_makes_only_new_items(capsys) -> None:
     sweep("-o", "a", "--jobs", 1, "-q")
     Path("s.yaml").write_text(GRID.replace("[0.002, 0.01]", "[0.001, 0.002, 0.01]"))
     assert sweep("-o", "a", "--jobs", 1) == 0
@@ -95,7 +95,7 @@ def test_a_sweep_that_grows_makes_what_is_new(capsys) -> None:
     assert len(rows("a")) == 12
 
 
-def test_measurements_are_a_row_each_and_no_file() -> None:
+def test_each_measurement_is_a_table_row_without_a_file() -> None:
     assert sweep("-o", "m", "--only", "measure", "--jobs", 1, "-q") == 0
     assert set(contents("m")) == {"manifest.json", "plan.json", "results.csv", "results.parquet"}
     table = pd.read_csv("m/results.csv")
@@ -103,7 +103,7 @@ def test_measurements_are_a_row_each_and_no_file() -> None:
     assert (table["speed_mean"] > 0).all()
 
 
-def test_trajectories_can_be_drawn_later() -> None:
+def test_saved_trajectories_can_be_rendered_later() -> None:
     assert sweep("-o", "t", "--only", "trajectory", "--jobs", 1, "-q") == 0
     assert sweep("-o", "v", "--jobs", 1, "-q") == 0
     for run, video in zip(rows("t"), rows("v"), strict=True):
@@ -114,7 +114,7 @@ def test_trajectories_can_be_drawn_later() -> None:
     assert Path("t/contact-sheet.png").is_file()
 
 
-def test_the_sheet_shows_each_item_in_its_place() -> None:
+def test_contact_sheet_shows_each_item_in_its_cell() -> None:
     Path("s.yaml").write_text(
         "scenes: [sadness]\ngrid:\n"
         "  video.colours.stage: ['#ff0000', '#00ff00', '#0000ff']\n  video.trails.robots: [0, 5]\n" + TINY
@@ -127,31 +127,31 @@ def test_the_sheet_shows_each_item_in_its_place() -> None:
         places = np.nonzero((sheet[..., channel] > 200) & (sheet[..., others] < 60).all(axis=-1))
         middles.append([int(place.mean()) for place in places])
     down, across = np.diff(middles, axis=0).T
-    assert (down > 100).all()  # a row for each colour of the stage
+    assert (down > 100).all()  # a row for each color of the stage
     assert (np.abs(across) < 5).all()
 
 
-def test_the_shipped_sweep_is_known_by_its_name(capsys) -> None:
+def test_shipped_sweep_is_found_by_name(capsys) -> None:
     assert sweep("--shard", "24/24", "--jobs", 1, file="look_ahead_and_gain") == 0
     assert capsys.readouterr().err.splitlines()[0].endswith(".mp4: 150 frames")
     assert [row["robot.K"] for row in rows("sweeps/look_ahead_and_gain")] == ["12"]
 
 
-def test_json_counts(capsys) -> None:
+def test_json_reports_counts(capsys) -> None:
     assert sweep("-o", "a", "--jobs", 1, "--json") == 0
     said = capsys.readouterr()
     assert json.loads(said.out) == {"folder": "a", "items": 8, "made": 8, "up_to_date": 0, "failed": {}}
     assert said.err == ""
 
 
-def test_a_failure_is_listed_and_the_others_are_made(capsys) -> None:
+def test_failures_are_listed_and_other_items_are_made(capsys) -> None:
     sweep("-o", "a", "--jobs", 1, "-q")
     victim = next(Path("a").glob("fear-*.mp4"))
     shutil.rmtree("a")
     Path("a", victim.name).mkdir(parents=True)
     assert sweep("-o", "a", "--jobs", 1) == 1
     said = capsys.readouterr().err.splitlines()
-    assert [line.startswith(f"{victim}: ") for line in said[:8]].count(True) == 1  # when it happens
+    assert [line.startswith(f"{victim}: ") for line in said[:8]].count(True) == 1  # at the time of the failure
     assert said[-2] == "a/results.csv: 7 of 8 items"
     assert said[-1] == "1 of 8 items failed: run again to make what is missing"
     assert len(rows("a")) == 7
@@ -169,7 +169,7 @@ def test_a_failure_is_listed_and_the_others_are_made(capsys) -> None:
          "expected as in tcp://127.0.0.1:8786"),
     ],
 )  # fmt: skip
-def test_a_mistake_is_one_line_and_leaves_nothing(capsys, arguments, message) -> None:
+def test_invalid_input_gives_one_line_and_writes_no_file(capsys, arguments, message) -> None:
     Path("bad.yaml").write_text("scenes: [anger]\ngrid: {robots: [3, 99999]}\n")
     assert main(["sweep", *arguments]) == 2
     (said,) = capsys.readouterr().err.splitlines()
@@ -177,7 +177,7 @@ def test_a_mistake_is_one_line_and_leaves_nothing(capsys, arguments, message) ->
     assert not Path("sweeps").exists()
 
 
-def test_status_and_verify_speak_of_rendered_folders_too(capsys) -> None:
+def test_status_and_verify_accept_rendered_folders(capsys) -> None:
     small = ["--size", "96x64", "--fps", "5", "--set", "duration=0.4"]
     main(["render", "--emotion", "anger", *small, "-q"])
     assert main(["status", "videos"]) == 0
@@ -209,14 +209,14 @@ def test_a_file_of_another_program_is_never_replaced(name, force, capsys) -> Non
     assert contents("mine") == {name: FOREIGN[name].encode()}
 
 
-def test_the_results_of_another_sweep_are_replaced_only_by_force(capsys) -> None:
+def test_results_of_another_sweep_are_replaced_only_with_force(capsys) -> None:
     def write(seeds: str) -> None:
         Path("s.yaml").write_text(f"only: measure\nscenes: [anger]\nseeds: {seeds}\nset: {{duration: 0.4}}\n")
 
     write("[1, 2]")
     assert sweep("-o", "out") == 0
     write("[1, 2, 3]")
-    assert sweep("-o", "out") == 0  # it keeps all
+    assert sweep("-o", "out") == 0  # all are kept
     before = contents("out")
     write("[2, 3]")
     capsys.readouterr()

@@ -1,4 +1,4 @@
-"""The folder of a sweep: its table and plan are checked, a changed sweep file shows, and parallel sweeps do not mix."""
+"""The folder of a sweep: checks of its table and plan, a changed sweep file, and parallel sweeps."""
 
 import json
 import os
@@ -42,13 +42,13 @@ def change_descriptor() -> None:
     file.write_text(re.sub(r'"speed_mean": [^,]*', '"speed_mean": 99', file.read_text(), count=1))
 
 
-def test_unchanged_measurements_are_made_again_and_current(capsys) -> None:
+def test_rebuilt_measurements_without_changes_are_current(capsys) -> None:
     for command in (["status"], ["verify"], ["verify", "--rebuild", "-j", "1"]):
         assert main([*command, "out"]) == 0
         assert capsys.readouterr().out == "4 results: 4 current\n"
 
 
-def test_a_changed_measurement_is_found(capsys) -> None:
+def test_changed_measurement_is_detected(capsys) -> None:
     change_descriptor()
     for command in ("verify", "status"):
         assert main([command, "out"]) == 1
@@ -59,7 +59,7 @@ def test_a_changed_measurement_is_found(capsys) -> None:
 
 @pytest.mark.parametrize("table", TABLES)
 @pytest.mark.parametrize("state", ["missing", "corrupt"])
-def test_a_table_that_is_missing_or_changed_is_found_and_made_again(capsys, table, state) -> None:
+def test_missing_or_changed_table_is_detected_and_rebuilt(capsys, table, state) -> None:
     before = Path("out", table).read_bytes()
     Path("out", table).unlink() if state == "missing" else Path("out", table).write_bytes(b"junk\n")
     for command in ("status", "verify"):
@@ -73,27 +73,27 @@ def test_a_table_that_is_missing_or_changed_is_found_and_made_again(capsys, tabl
     assert Path("out", table).read_bytes() == before
 
 
-def test_a_row_that_is_missing_from_the_table_is_found(capsys) -> None:
+def test_missing_table_row_is_detected(capsys) -> None:
     lines = Path("out/results.csv").read_text().splitlines(keepends=True)
     Path("out/results.csv").write_text("".join(lines[:-1]))
     assert main(["verify", "out"]) == 1
     assert "corrupt: results.csv: not the table of these results" in capsys.readouterr().out
 
 
-def test_status_compares_with_the_sweep_file_as_it_is_now(capsys) -> None:
+def test_status_compares_with_the_current_sweep_file(capsys) -> None:
     Path("s.yaml").write_text(SWEEP.replace("[1, 2]", "[2, 3]"))
     assert main(["status", "out"]) == 1
     said = capsys.readouterr().out.splitlines()
     assert said[0].startswith("stale: plan.json: ")
     assert said[0].endswith("s.yaml has changed since")
     assert [line.split(": ")[0] for line in said[1:-1]] == ["missing", "unplanned"]
-    assert main(["sweep", "s.yaml", "-o", "out", "-q", "-j", "1"]) == 2  # the table would lose a result
+    assert main(["sweep", "s.yaml", "-o", "out", "-q", "-j", "1"]) == 2  # otherwise the table would lose a result
     assert main(["sweep", "s.yaml", "-o", "out", "-q", "-j", "1", "--force"]) == 0
     assert main(["status", "out"]) == 0
     assert capsys.readouterr().out.splitlines()[-1] == "5 results: 4 current, 1 unplanned"
 
 
-def test_a_dry_run_says_what_would_be_done_and_does_nothing(capsys) -> None:
+def test_dry_run_prints_its_plan_and_writes_nothing(capsys) -> None:
     before = {path.name: (path.read_bytes(), path.stat().st_mtime_ns) for path in Path("out").iterdir()}
     changed, _ = names()
     change_descriptor()
@@ -112,7 +112,7 @@ def test_a_dry_run_says_what_would_be_done_and_does_nothing(capsys) -> None:
     assert not Path("new").exists()
 
 
-def test_another_sweep_into_the_folder_of_a_live_one_is_refused(capsys) -> None:
+def test_second_sweep_in_a_folder_in_use_is_refused(capsys) -> None:
     Path("out", f".manifest.json.{PARENT}.journal").write_text('\n{"plan": "of another sweep"}\n')
     before = {path.name: path.read_bytes() for path in Path("out").iterdir()}
     Path("s.yaml").write_text(SWEEP.replace("[1, 2]", "[1, 2, 5]"))
@@ -125,7 +125,7 @@ def test_another_sweep_into_the_folder_of_a_live_one_is_refused(capsys) -> None:
     assert main(["sweep", "s.yaml", "-o", "out", "-j", "1"]) == 0
 
 
-def test_up_to_date_results_get_the_date_of_now(tmp_path) -> None:
+def test_modification_times_of_current_results_are_updated(tmp_path) -> None:
     Path("t.yaml").write_text(SWEEP.replace("measure", "trajectory"))
     assert main(["sweep", "t.yaml", "-o", "t", "-q", "-j", "1"]) == 0
     files = [*Path("t").glob("*.npz"), Path("t/results.csv")]
@@ -135,7 +135,7 @@ def test_up_to_date_results_get_the_date_of_now(tmp_path) -> None:
     assert all(file.stat().st_mtime > 0 for file in files)
 
 
-def test_an_interrupted_sweep_leaves_the_table_of_what_is_finished(capsys, monkeypatch) -> None:
+def test_interrupted_sweep_writes_the_table_of_finished_items(capsys, monkeypatch) -> None:
     from emovid.batch import cache
 
     def interrupt(*_: object) -> None:

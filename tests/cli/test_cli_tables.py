@@ -1,4 +1,4 @@
-"""Nothing that a command prints is lost on a narrow terminal, or on the way to a file."""
+"""The output of commands is complete on narrow terminals and in files."""
 
 import shlex
 from collections import Counter
@@ -44,8 +44,8 @@ def _folder(tmp_path_factory) -> None:
 
 
 @pytest.mark.parametrize("command", PRINTING)
-def test_a_narrow_terminal_gets_every_word_that_a_file_gets(command, monkeypatch, capsys) -> None:
-    monkeypatch.setenv("COLUMNS", "40")  # of a terminal that a pipe has nothing to do with
+def test_narrow_terminal_shows_every_word_of_the_output(command, monkeypatch, capsys) -> None:
+    monkeypatch.setenv("COLUMNS", "40")  # of a terminal, which does not apply to a pipe
     main(shlex.split(command))
     words = Counter(capsys.readouterr().out.replace("─", "").split())
     for columns in (80, 60):
@@ -53,7 +53,7 @@ def test_a_narrow_terminal_gets_every_word_that_a_file_gets(command, monkeypatch
         assert words - Counter(shown.split()) == Counter(), columns
 
 
-def test_a_file_gets_all_columns_of_a_table_beside_each_other(monkeypatch, capsys) -> None:
+def test_tables_are_not_split_in_files(monkeypatch, capsys) -> None:
     monkeypatch.setenv("COLUMNS", "40")
     assert main(["measure", "--all", "--set", "duration=0.3"]) == 0
     heads = [line for line in capsys.readouterr().out.splitlines() if "descriptor" in line]
@@ -61,7 +61,7 @@ def test_a_file_gets_all_columns_of_a_table_beside_each_other(monkeypatch, capsy
 
 
 @pytest.mark.parametrize(("columns", "parts"), [(120, [6]), (100, [3, 3]), (80, [3, 3]), (60, [1] * 6)])
-def test_a_table_is_cut_into_the_fewest_parts_that_fit(columns, parts, monkeypatch) -> None:
+def test_wide_tables_are_split_into_the_fewest_parts(columns, parts, monkeypatch) -> None:
     shown = on_a_screen(columns, ["measure", "--all", "--set", "duration=0.3"], monkeypatch).splitlines()
     assert [len(line.split()) - 2 for line in shown if "descriptor" in line] == parts
     assert max(map(len, shown)) <= columns

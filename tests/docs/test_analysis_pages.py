@@ -1,4 +1,4 @@
-"""Every survey tool has a page whose commands run on an export of the tool."""
+"""Every survey tool has a page whose commands are run on an export of the tool."""
 
 import pytest
 
@@ -9,7 +9,7 @@ FOLLOWED = [page for page in pages() if page.parent.name == "analyse" and any(st
 
 
 @pytest.mark.parametrize("page", FOLLOWED, ids=lambda page: page.stem)
-def test_the_commands_of_a_tool_s_page_do_what_it_says(page, tmp_path) -> None:
+def test_commands_of_a_tool_page_work_as_described(page, tmp_path) -> None:
     follow(page, tmp_path)
 
 

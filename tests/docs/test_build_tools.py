@@ -51,7 +51,7 @@ def program(name: str) -> str:
     return path
 
 
-def test_make_is_satisfied_by_files_that_are_up_to_date(run, tmp_path) -> None:
+def test_make_accepts_current_files(run, tmp_path) -> None:
     (tmp_path / "Makefile").write_text(example("make"))
     make = program("make")
     assert run(make, "videos").count("called") == 2
@@ -59,7 +59,7 @@ def test_make_is_satisfied_by_files_that_are_up_to_date(run, tmp_path) -> None:
     video = (tmp_path / "videos" / "anger.mp4").read_bytes()
     for file in ("scenes/anger.yaml", "sweep.yaml"):
         Path(tmp_path, file).touch()
-    assert run(make, "videos").count("called") == 2  # nothing to make, and the files get the date of now
+    assert run(make, "videos").count("called") == 2  # nothing to make, and modification times are updated
     assert run(make, "videos").count("called") == 0
     assert (tmp_path / "videos" / "anger.mp4").read_bytes() == video
 

@@ -1,4 +1,4 @@
-"""Every command of every page runs and prints what the page shows."""
+"""Every command of every page runs and prints the output shown on the page."""
 
 import shlex
 
@@ -16,17 +16,17 @@ FOLLOWED = [
 
 
 @pytest.mark.parametrize("page", FOLLOWED, ids=lambda page: str(page.relative_to(DOCS)))
-def test_the_commands_of_a_page_do_what_it_says(page, tmp_path) -> None:
+def test_commands_of_a_page_work_as_described(page, tmp_path) -> None:
     follow(page, tmp_path)
 
 
 @pytest.mark.parametrize("page", pages(), ids=lambda page: str(page.relative_to(ROOT)))
-def test_a_command_that_is_named_in_passing_exists_with_its_options(page) -> None:
+def test_commands_named_in_text_exist_with_their_options(page) -> None:
     for line in mentioned(page):
         words = shlex.split(line.replace("...", "x"))[1:]
         command = all_commands()
         while hasattr(command, "commands"):
-            if not words or words[0].isupper() or words[0].startswith("-"):  # COMMAND, or an option of all
+            if not words or words[0].isupper() or words[0].startswith("-"):  # COMMAND, or a global option
                 break
             assert words[0] in command.commands, line
             command = command.commands[words.pop(0)]

@@ -1,11 +1,11 @@
-"""The README and the tutorial: their commands run, print what they show and leave the files they name."""
+"""The README and the tutorial: their commands run, print the output shown and write the files named."""
 
 import json
 
 from tests.helpers.pages import DOCS, ROOT, follow, in_tables, run
 
 
-def test_the_commands_of_the_readme_do_what_it_says(tmp_path) -> None:
+def test_readme_commands_work_as_described(tmp_path) -> None:
     page = ROOT / "README.md"
     follow(page, tmp_path)
     made = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.*")}
@@ -19,7 +19,7 @@ def test_the_commands_of_the_readme_do_what_it_says(tmp_path) -> None:
         assert done.returncode == (1 if " diff " in line else 0), f"{line}\n{done.stdout}{done.stderr}"
 
 
-def test_the_tutorial_s_emotion_moves_as_it_says(tmp_path) -> None:
+def test_tutorial_emotion_moves_as_described(tmp_path) -> None:
     follow(DOCS / "tutorial.md", tmp_path)
     scenes = json.loads(run("emovid measure curious.yaml fear disgust --json", tmp_path).stdout)["scenes"]
     curious, fear, disgust = (scenes[name] for name in ("curious.yaml", "fear", "disgust"))

@@ -25,20 +25,20 @@ def row(cells: list[str]) -> str:
 
 
 @pytest.mark.parametrize("emotion", ["happiness", "surprise", "sadness", "fear", "disgust", "anger"])
-def test_the_tables_of_parameters_are_the_scenes(maker: ModuleType, emotion: str) -> None:
+def test_parameter_tables_match_the_scenes(maker: ModuleType, emotion: str) -> None:
     (section,) = [part for part in PAGE.split("\n### ") if part.startswith(emotion.capitalize())]
     table = section.split("\n\n")[1].splitlines()
     assert table[2:] == [row(cells) for cells in maker.parameters(emotion)]
 
 
-def test_the_table_of_descriptors_is_what_is_measured(maker: ModuleType) -> None:
-    # One emotion here, the quickest to simulate; make robotarium-table makes all.
+def test_descriptor_table_matches_the_measurements(maker: ModuleType) -> None:
+    # Only the emotion that is fastest to simulate; make robotarium-table computes all.
     (section,) = [part for part in PAGE.split("\n### ") if part.startswith("Sadness")]
     table = section.split("\n\n")[2].splitlines()
     assert table[2:] == [row(cells) for cells in maker.descriptors("sadness")]
 
 
-def test_tables_replace_those_between_the_markers(maker: ModuleType) -> None:
+def test_tables_are_replaced_between_their_markers(maker: ModuleType) -> None:
     page = "before\n<!-- tables -->\n\nold\n\n<!-- end -->\nafter\n"
     assert maker.with_tables(page, r"new \1") == "before\n<!-- tables -->\n\nnew \\1\n\n<!-- end -->\nafter\n"
     assert maker.with_tables(maker.with_tables(page, "new"), "new") == maker.with_tables(page, "new")

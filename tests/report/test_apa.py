@@ -32,7 +32,7 @@ def test_p(p: float, expected: str) -> None:
     assert apa.p_value(p) == expected
 
 
-def test_p_says_how_it_was_found() -> None:
+def test_p_value_names_its_method() -> None:
     assert apa.p_value(0.012, draws=9999) == "Monte Carlo p = .012 (B = 9,999)"
     assert apa.p_value(0.0001, draws=9999) == "Monte Carlo p < .001 (B = 9,999)"
     assert apa.p_value(0.0833, "exact p") == "exact p = .083"
@@ -94,7 +94,7 @@ def test_groups() -> None:
         ("permutation", 0, "permutation of participants, p = .752"),
     ],
 )
-def test_rates_are_reported_by_the_test_that_was_made(method: str, draws: int, said: str) -> None:
+def test_rates_are_reported_with_the_test_used(method: str, draws: int, said: str) -> None:
     rates = RatesDiffer(("no", "yes"), (18, 11), (29, 16), 0.7519, 1.0, method, draws, 0 if draws else None, (), ())
     assert apa.rates_differ(rates) == f"no 18/29, yes 11/16: {said}, Holm p = 1.000"
 
@@ -123,7 +123,7 @@ def test_all_answers_together() -> None:
     assert apa.information(Information(0.7492, nan, nan, 2.585, 0, None)) == "0.75 of 2.58 bits"
 
 
-def test_what_is_no_test_has_no_sentence() -> None:
+def test_only_tests_have_a_sentence() -> None:
     assert apa.has_sentence(Pair)
     assert not apa.has_sentence(str)
     with pytest.raises(TypeError, match="str is no test"):
@@ -138,11 +138,11 @@ def test_bayes_factor(bf01: float, expected: str) -> None:
     assert apa.bayes_factor(bf01) == f"BF01 {expected}"
 
 
-def test_a_bayes_factor_that_is_not_known() -> None:
+def test_unknown_bayes_factor() -> None:
     assert apa.bayes_factor(float("nan")) == "BF01 n/a"
 
 
-def test_the_circle_and_replications() -> None:
+def test_near_neighbors_and_replications() -> None:
     near = NearNeighbors(125, 62.279, 68.317, 0.0125, "Monte Carlo", 3999, 0)
     said = "mean distance 62.3°, 68.3° expected, one-sided p = .013 (B = 3,999)"
     assert apa.near_neighbors(near) == said
@@ -155,7 +155,7 @@ def test_the_circle_and_replications() -> None:
 
 
 @given(st.floats(0, 1))
-def test_any_p_reads_as_itself(p: float) -> None:
+def test_rounded_p_values_are_consistent_with_their_relation(p: float) -> None:
     text = apa.p_value(p)
     relation, digits = text.split()[1:]
     bound = float(digits)

@@ -23,18 +23,18 @@ def rows(text: str) -> list[dict[str, str]]:
     return list(csv.DictReader(io.StringIO(text)))
 
 
-def test_a_matrix_comes_back_from_its_file(tmp_path) -> None:
+def test_written_matrix_reads_back(tmp_path) -> None:
     (tmp_path / "m.csv").write_text(matrix_csv(TABLE_III, EMOTIONS, EMOTIONS))
     counts, labels, signalled = read_matrix(tmp_path / "m.csv")
     assert np.array_equal(counts, TABLE_III)
     assert labels == signalled == EMOTIONS
 
 
-def test_labels_that_a_spreadsheet_would_run_are_text_in_a_matrix_too() -> None:
+def test_formula_like_labels_are_escaped_in_matrices() -> None:
     assert matrix_csv(np.eye(2, dtype=int), ("=a", "b"), ("=a", "b")).splitlines()[1].startswith("'=a,")
 
 
-def test_the_rows_of_a_matrix_may_stand_in_any_order(tmp_path) -> None:
+def test_matrix_rows_may_be_in_any_order(tmp_path) -> None:
     order = [5, 2, 6, 0, 1, 4, 3]
     counts, labels = np.vstack([TABLE_III, np.arange(6)]), (*EMOTIONS, "none")
     (tmp_path / "m.csv").write_text(matrix_csv(counts[order], [labels[i] for i in order], EMOTIONS))
@@ -43,7 +43,7 @@ def test_the_rows_of_a_matrix_may_stand_in_any_order(tmp_path) -> None:
     assert found[1:] == (labels, EMOTIONS)
 
 
-def test_a_matrix_from_a_spreadsheet_is_read_like_any_table(tmp_path) -> None:
+def test_matrix_from_a_spreadsheet_is_read(tmp_path) -> None:
     text = "sep=;\r\nPerceived;Fear;Fear_percent;Anger\r\nFear;3;75,00;1\r\nAnger;1;25,00;2\r\n;;;\r\n"
     (tmp_path / "m.csv").write_bytes(text.encode("utf-16"))
     counts, labels, signalled = read_matrix(tmp_path / "m.csv")
@@ -51,7 +51,7 @@ def test_a_matrix_from_a_spreadsheet_is_read_like_any_table(tmp_path) -> None:
     assert labels == signalled == ("fear", "anger")
 
 
-def test_a_matrix_of_the_largest_counts_is_analysed(tmp_path) -> None:
+def test_matrix_with_the_largest_counts_is_analyzed(tmp_path) -> None:
     (tmp_path / "m.csv").write_text("perceived,fear,anger\nfear,9999999,1\nanger,9999999,2\nawe,0,9999999\n")
     found = analyze_counts(*read_matrix(tmp_path / "m.csv"))
     assert found.goodness_of_fit["fear"].p_exact < 0.001
@@ -61,7 +61,7 @@ def test_a_matrix_of_the_largest_counts_is_analysed(tmp_path) -> None:
 RESULTS = {"counts": [[3, 1], [1, 2], [0, 1]], "labels": ["fear", "anger", "none"], "emotions": ["fear", "anger"]}
 
 
-def test_the_matrix_of_an_analysis_comes_back_from_its_results(tmp_path) -> None:
+def test_matrix_is_read_from_saved_results(tmp_path) -> None:
     (tmp_path / "results.json").write_text(json.dumps(RESULTS))
     for path in (tmp_path, tmp_path / "results.json"):
         counts, labels, signalled = read_results(path)
@@ -89,7 +89,7 @@ def test_the_matrix_of_an_analysis_comes_back_from_its_results(tmp_path) -> None
          f"'{10**30}'; expected a count, a whole number below ten million"),
     ],
 )  # fmt: skip
-def test_results_that_are_none_are_one_line(tmp_path, text, message) -> None:
+def test_invalid_results_give_a_one_line_message(tmp_path, text, message) -> None:
     text = json.dumps(text) if isinstance(text, dict) else text
     (tmp_path / "r.json").write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(SourceError) as failure:
@@ -97,7 +97,7 @@ def test_results_that_are_none_are_one_line(tmp_path, text, message) -> None:
     assert str(failure.value) == f"{tmp_path}/r.json: {message}"
 
 
-def test_a_matrix_may_stand_where_an_analysis_is_expected(tmp_path) -> None:
+def test_matrix_file_is_accepted_instead_of_results(tmp_path) -> None:
     (tmp_path / "m.csv").write_text(matrix_csv(TABLE_III, EMOTIONS, EMOTIONS))
     assert read_results(tmp_path / "m.csv")[0].tolist() == TABLE_III.tolist()
 
@@ -133,7 +133,7 @@ def test_a_matrix_may_have_an_extra_row(tmp_path) -> None:
          "m.csv:4: a row without a label; expected each label once"),
     ],
 )  # fmt: skip
-def test_a_file_that_is_no_matrix_is_one_line(tmp_path, monkeypatch, text, message) -> None:
+def test_file_that_is_not_a_matrix_gives_a_one_line_message(tmp_path, monkeypatch, text, message) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "m.csv").write_text(text)
     with pytest.raises(SourceError) as failure:
@@ -148,7 +148,7 @@ def test_table_iii_in_markdown_and_latex() -> None:
     assert latex.count(r"\\") == 8  # two headings and six rows
 
 
-def test_labels_of_any_marks_do_not_break_the_tables() -> None:
+def test_special_characters_in_labels_do_not_break_tables() -> None:
     labels = ("r&b_100%", "a|b", "{x}\\~^$#")
     counts = np.eye(3, dtype=int)
     latex = matrix_latex(counts, labels, labels)
@@ -163,12 +163,12 @@ def test_labels_of_any_marks_do_not_break_the_tables() -> None:
 
 
 @pytest.mark.parametrize("cell", ["=1+1", "+cmd", "-x", "@sum", "\tx", "\rx"])
-def test_formulas_for_spreadsheets_become_text(cell) -> None:
+def test_spreadsheet_formulas_become_text(cell) -> None:
     assert safe(cell) == "'" + cell
 
 
 @pytest.mark.parametrize("cell", ["-1.5", "+3", "fear", "", "a=b"])
-def test_numbers_and_words_stay_as_they_are(cell) -> None:
+def test_numbers_and_words_are_unchanged(cell) -> None:
     assert safe(cell) == cell
 
 
@@ -189,7 +189,7 @@ def test_the_tidy_table_has_a_row_for_each_answer(files) -> None:
     assert {row["note"] for row in table} == {"x", "'=cmd()"}
 
 
-def test_groups_that_are_named_as_columns_of_the_tidy_table_stand_beside_them() -> None:
+def test_groups_named_like_tidy_columns_get_their_own_columns() -> None:
     study = responses(TABLE_III)
     groups = study.participants.assign(position="nurse", perceived="x", correct="y", participant="z")
     table = rows(tidy_csv(Responses(EMOTIONS, EMOTIONS, study.answers, groups)))
@@ -205,7 +205,7 @@ def test_rejected_cells_are_listed(files) -> None:
     ]
 
 
-def test_the_tests_are_listed_for_the_whole_and_each_group(files) -> None:
+def test_tests_are_listed_for_all_participants_and_each_group(files) -> None:
     table = pd.read_csv(io.StringIO(files["tests.csv"]))
     assert len(table) == 6 * 3
     assert table["chi_squared"][:6].round(3).tolist() == [75.133, 60.2, 54.067, 27.667, 39.933, 79.133]
@@ -216,7 +216,7 @@ def test_results_are_json(files) -> None:
     assert json.loads(files["results.json"])["counts"] == TABLE_III.tolist()
 
 
-def test_the_report_needs_nothing_else() -> None:
+def test_report_is_self_contained() -> None:
     study = responses(TABLE_III)
     page = report_html(analyze(study), study, {"confusion-matrix": ("A <picture>", b"data")})
     for foreign in ("http:", "https:", "<script", "<link", "@import"):
@@ -249,18 +249,18 @@ def test_a_report_names_its_sources_its_key_and_its_version() -> None:
         assert f"<li>{line}</li>" in page
 
 
-def test_a_report_of_a_matrix_alone_says_so() -> None:
+def test_report_of_a_matrix_says_that_answers_are_missing() -> None:
     page = report_html(analyze_counts(TABLE_III, EMOTIONS, EMOTIONS), None, {})
     assert "participants are not known" in page
 
 
-def test_text_in_a_report_is_only_text() -> None:
+def test_text_in_a_report_is_escaped() -> None:
     study = responses(TABLE_III)
     evil = Responses(EMOTIONS, EMOTIONS, study.answers, study.participants.assign(hand="<script>alert(1)</script>"))
     assert "<script" not in report_html(analyze(evil), evil, {})
 
 
-def test_a_report_shows_who_was_left_out_and_what_counts_as_a_label() -> None:
+def test_report_shows_exclusions_and_accepted_labels() -> None:
     study = responses(TABLE_III)
     study = replace(
         study,
@@ -291,7 +291,7 @@ def test_groups_found_in_the_data_are_marked() -> None:
     assert "exploratory" not in report_html(analyze(study, by=["hand"]), study, {})
 
 
-def test_the_methods_of_a_report_say_what_was_done() -> None:
+def test_methods_section_of_a_report_describes_the_analysis() -> None:
     text = methods_text(analyze(responses(TABLE_III), by=["hand"]))
     for words in ("one-sided exact binomial test", "Holm's (1979)", "2,000 bootstrap samples", "named beforehand"):
         assert words in text
