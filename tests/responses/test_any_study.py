@@ -1,4 +1,4 @@
-"""Whatever little a study has, it is analysed, written and reported."""
+"""Small and incomplete studies are analyzed, written and reported."""
 
 import json
 
@@ -39,7 +39,7 @@ def studies(draw: st.DrawFn) -> Responses:
 
 @given(studies())
 @settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow])
-def test_any_study_gives_results(study: Responses) -> None:
+def test_any_small_study_gives_results(study: Responses) -> None:
     results = analyze(study)
     assert results.counts.sum() == len(study.answers)
     files = result_files(results, study)

@@ -1,4 +1,4 @@
-"""Small exports in the formats of real studies, each with its confusion matrix or the refusal that is right."""
+"""Small exports in the formats of real studies, each with its confusion matrix or its error message."""
 
 import json
 from pathlib import Path
@@ -33,7 +33,7 @@ def read(folder: Path, case: dict[str, Any]) -> Responses:
 
 
 @pytest.mark.parametrize(("folder", "case"), ALL)
-def test_case(folder: Path, case: dict[str, Any]) -> None:
+def test_case_gives_its_matrix_or_refusal(folder: Path, case: dict[str, Any]) -> None:
     if "refusal" in case:
         with pytest.raises(SourceError) as error:
             read(folder, case)

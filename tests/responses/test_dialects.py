@@ -27,7 +27,7 @@ from tests.helpers.exports import (
 
 
 def write(export: Export, folder: Path) -> Path:
-    """Write the files and return the folder, or the file where there is one."""
+    """Write the files and return the folder, or the file if there is only one."""
     target = folder / "exports"
     target.mkdir()
     for name, data in export.files.items():
@@ -43,7 +43,7 @@ def read(export: Export, folder: Path) -> Responses:
 
 
 @pytest.mark.parametrize("make", EXPORTS, ids=lambda make: make.__name__)
-def test_every_dialect_says_the_same(make, tmp_path) -> None:
+def test_every_dialect_gives_the_same_matrix(make, tmp_path) -> None:
     export = make()
     found = read(export, tmp_path)
     assert {source.dialect for source in found.sources} == {export.dialect}
@@ -62,7 +62,7 @@ def test_every_dialect_says_the_same(make, tmp_path) -> None:
 
 
 @pytest.mark.parametrize("make", [make for make in EXPORTS if make().positions], ids=lambda make: make.__name__)
-def test_the_order_of_the_videos_comes_along(make, tmp_path) -> None:
+def test_video_order_is_read(make, tmp_path) -> None:
     found = read(make(), tmp_path).answers.sort_values("position")
     orders = sorted(tuple(rows["video"]) for _, rows in found.groupby("participant"))
     assert orders == sorted(tuple(order) for order in ORDER.values())
@@ -70,34 +70,34 @@ def test_the_order_of_the_videos_comes_along(make, tmp_path) -> None:
 
 
 @pytest.mark.parametrize("make", [make for make in EXPORTS if not make().positions], ids=lambda make: make.__name__)
-def test_an_order_that_no_column_tells_is_missing(make, tmp_path) -> None:
+def test_positions_are_missing_without_an_order_column(make, tmp_path) -> None:
     positions = read(make(), tmp_path).answers["position"]
     assert positions.isna().all()
     assert positions.dtype == pd.Int64Dtype()
 
 
-def test_what_differs_between_rounds_is_no_group(tmp_path) -> None:
+def test_column_that_differs_between_rounds_is_not_a_group(tmp_path) -> None:
     assert list(read(otree_wide(), tmp_path).participants) == ["gender"]
 
 
-def test_revisit_says_itself_what_was_signalled(tmp_path) -> None:
+def test_revisit_export_needs_no_key(tmp_path) -> None:
     (tmp_path / "tidy.csv").write_bytes(revisit().files["tidy.csv"])
     found = read_responses(tmp_path / "tidy.csv", groups=["gender"])
     assert found.counts().tolist() == COUNTS
     assert sorted(found.participants["gender"]) == sorted(GENDER.values())
 
 
-def test_a_trial_s_number_within_a_block_is_no_text(tmp_path) -> None:
+def test_trial_numbers_within_a_block_are_compared_as_numbers(tmp_path) -> None:
     export = revisit()
     head, *lines = [line.split(",") for line in export.files["tidy.csv"].decode().splitlines()]
-    rows = [[who, trial, f"{int(order) + 6}_0", *rest] for who, trial, order, *rest in lines]  # 9_0 comes before 10_0
+    rows = [[who, trial, f"{int(order) + 6}_0", *rest] for who, trial, order, *rest in lines]  # 9_0 is before 10_0
     export.files["tidy.csv"] = "\n".join(",".join(row) for row in [head, *rows]).encode()
     found = read(export, tmp_path).answers.sort_values("position")
     orders = sorted(tuple(rows["video"]) for _, rows in found.groupby("participant"))
     assert orders == sorted(tuple(order) for order in ORDER.values())
 
 
-def test_what_a_questionnaire_says_of_emotions_is_no_group(tmp_path) -> None:
+def test_questionnaire_items_about_emotions_are_not_groups(tmp_path) -> None:
     export = jspsych()
     asked, broken = b'{""gender"":""Female"",""mood"":""sad""}', b"{gender"
     data = export.files["all.csv"].replace(b'{""gender"":""Female""}', asked)
@@ -108,7 +108,7 @@ def test_what_a_questionnaire_says_of_emotions_is_no_group(tmp_path) -> None:
     assert list(read(export, tmp_path).participants) == ["gender"]
 
 
-def test_otree_s_videos_may_be_said_by_a_map(tmp_path) -> None:
+def test_map_can_name_otree_videos(tmp_path) -> None:
     export = otree_wide()
     export.map = "videos: {study.1.player.response: z8r4}\n"
     source = write(export, tmp_path)
@@ -117,7 +117,7 @@ def test_otree_s_videos_may_be_said_by_a_map(tmp_path) -> None:
     assert len(found.participants) == 8
 
 
-def test_an_app_of_several_rounds_without_videos_is_passed_over(tmp_path) -> None:
+def test_otree_app_without_videos_is_skipped(tmp_path) -> None:
     export = otree_wide()
     lines = export.files["all_apps_wide.csv"].decode().splitlines()
     lines[0] += ",quiz.1.player.score,quiz.2.player.score"
@@ -127,7 +127,7 @@ def test_an_app_of_several_rounds_without_videos_is_passed_over(tmp_path) -> Non
     assert read(export, tmp_path).counts().tolist() == COUNTS
 
 
-def test_psiturk_s_debug_runs_and_broken_trials_alone_are_no_study(tmp_path) -> None:
+def test_psiturk_file_with_only_debug_runs_or_broken_trials_is_refused(tmp_path) -> None:
     (tmp_path / "trialdata.csv").write_text('debugA:A,0,17,"{}"\nw:A,1,18,[1]\nw:A,2,19,{\n')
     with pytest.raises(
         SourceError, match=r"trialdata.csv:2: 4: '\[1\]' not a JSON object \(2 cells or rows rejected\)"
@@ -144,7 +144,7 @@ def test_a_video_that_a_display_order_lacks_has_no_position(tmp_path) -> None:
     assert places["max"].max() == 5
 
 
-def test_surveymonkey_s_file_may_lack_its_second_header_or_every_row(tmp_path) -> None:
+def test_surveymonkey_file_without_second_header_is_read_and_without_rows_refused(tmp_path) -> None:
     head, second, *rows = surveymonkey().files["monkey.csv"].decode().splitlines()
     for name, lines in (("one", [head, *rows]), ("none", [head, second])):
         (tmp_path / f"{name}.csv").write_text("\n".join(lines) + "\n")
@@ -166,7 +166,7 @@ def test_surveymonkey_s_file_may_lack_its_second_header_or_every_row(tmp_path) -
         ),
     ],
 )
-def test_trials_that_name_no_video_or_no_answer_are_refused(tmp_path, text, message) -> None:
+def test_trials_without_video_or_answer_are_refused(tmp_path, text, message) -> None:
     (tmp_path / "x.csv").write_text(text)
     (tmp_path / "key.csv").write_text(KEY)
     with pytest.raises(SourceError) as error:
@@ -174,7 +174,7 @@ def test_trials_that_name_no_video_or_no_answer_are_refused(tmp_path, text, mess
     assert error.value.message == message
 
 
-def test_a_key_that_was_not_pressed_is_no_answer(tmp_path) -> None:
+def test_unpressed_key_is_not_an_answer(tmp_path) -> None:
     export = psychopy()
     export.files = {name: data.replace(b",1,1.5", b",None,None") for name, data in export.files.items()}
     found = read(export, tmp_path)
@@ -182,14 +182,14 @@ def test_a_key_that_was_not_pressed_is_no_answer(tmp_path) -> None:
     assert [row.reason for row in found.rejected] == ["no answer"] * sum(COUNTS[0])
 
 
-def test_a_trial_that_ran_out_of_time_is_no_answer(tmp_path) -> None:
+def test_timed_out_trial_is_not_an_answer(tmp_path) -> None:
     export = jspsych()
     export.files = {name: data.replace(b'.mp4""]","0"', b'.mp4""]","null"') for name, data in export.files.items()}
     found = read(export, tmp_path)
     assert [row.reason for row in found.rejected] == ["no answer"] * sum(COUNTS[0])
 
 
-def test_a_pcibex_export_that_names_no_video_is_refused(tmp_path) -> None:
+def test_pcibex_export_without_videos_is_refused(tmp_path) -> None:
     export = pcibex()
     export.files = {name: data.replace(b".mp4", b"") for name, data in export.files.items()}
     for code in CODES:

@@ -20,7 +20,7 @@ def book(path: Path, **sheets: pd.DataFrame) -> Path:
 
 
 @pytest.mark.parametrize("ending", ["xlsx", "ods"])
-def test_the_first_sheet_of_a_workbook_is_read_or_the_named_one(tmp_path, ending) -> None:
+def test_workbook_is_read_from_the_first_or_the_named_sheet(tmp_path, ending) -> None:
     path = book(tmp_path / f"a.{ending}", Data=NUMBERS, Other=pd.DataFrame({"b": ["c"]}))
     table, digest = open_table(path)
     assert table.names == ("id", "age", "note")
@@ -33,7 +33,7 @@ def test_the_first_sheet_of_a_workbook_is_read_or_the_named_one(tmp_path, ending
         open_table(Path(f"{path}#Othr"))
 
 
-def test_a_workbook_has_the_matrix_of_its_table(tmp_path) -> None:
+def test_workbook_gives_the_same_matrix_as_its_csv(tmp_path) -> None:
     (tmp_path / "key.csv").write_text(KEY)
     (tmp_path / "a.xlsx").write_bytes(workbook().files["answers.xlsx"])
     (tmp_path / "b.csv").write_bytes(generic_wide().files["wide.csv"])
@@ -45,7 +45,7 @@ def test_a_workbook_has_the_matrix_of_its_table(tmp_path) -> None:
     ("data", "message"),
     [(b"", "not a workbook"), (b"PK\x03\x04", "not a workbook"), (b"a,b\n1,2\n", "not a workbook")],
 )
-def test_a_file_that_only_has_the_name_of_a_workbook_is_refused(tmp_path, data, message) -> None:
+def test_file_with_a_workbook_suffix_but_other_content_is_refused(tmp_path, data, message) -> None:
     (tmp_path / "a.xlsx").write_bytes(data)
     with pytest.raises(SourceError, match=message):
         open_table(tmp_path / "a.xlsx")
@@ -56,20 +56,20 @@ def test_an_empty_sheet_is_refused(tmp_path) -> None:
         open_table(book(tmp_path / "a.xlsx", Data=pd.DataFrame()))
 
 
-def test_without_the_reader_of_workbooks_the_message_names_it(tmp_path, monkeypatch) -> None:
+def test_missing_workbook_reader_is_named(tmp_path, monkeypatch) -> None:
     path = book(tmp_path / "a.xlsx", Data=NUMBERS)
     monkeypatch.setitem(sys.modules, "python_calamine", None)
     with pytest.raises(SourceError, match=r'expected CSV, or python-calamine.*: pip install "emovid\[workbooks\]"'):
         open_table(path)
 
 
-def test_the_path_above_the_header_of_e_data_aid_is_skipped(tmp_path) -> None:
+def test_path_line_above_an_e_dataaid_header_is_skipped(tmp_path) -> None:
     (tmp_path / "a.txt").write_bytes("C:\\Data\\merged.emrg3\r\nSubject\tVideo\r\n1\tx\r\n".encode("utf-16"))
     table, _ = open_table(tmp_path / "a.txt")
     assert (table.names, table.lines.tolist()) == (("Subject", "Video"), [3])
 
 
-def test_files_are_told_apart_by_their_path_below_the_shared_folder() -> None:
+def test_short_file_names_include_distinguishing_folders() -> None:
     assert short_names(["/a/01/s.csv", "/a/02/s.csv"]) == {"/a/01/s.csv": "01/s", "/a/02/s.csv": "02/s"}
     assert short_names(["/a/x.csv", "/a/y.csv"]) == {"/a/x.csv": "x", "/a/y.csv": "y"}
     assert short_names(["/a/x.csv", "/a/x.tsv"]) == {"/a/x.csv": "x.csv", "/a/x.tsv": "x.tsv"}

@@ -1,4 +1,4 @@
-"""Who answered, in tables with a row for each answer."""
+"""Identification of participants in tables with a row for each answer."""
 
 import pytest
 
@@ -13,7 +13,7 @@ from tests.helpers.exports import ADJECTIVES, ANSWERS, CODES, COUNTS, GENDER, KE
 
 
 def long(name: str, *more: str, every: int = 1) -> list[list[str]]:
-    """Return header and rows of the study of 8, the participants in a column of that name, its last one `every` nth."""
+    """Return header and rows of a study with 8 participants in column `name`; only every nth has the last answer."""
     rows = [["swarm", "felt", "sure", "sex", *([name] if name else []), *more]]
     for i, person in enumerate(PEOPLE):
         for j, code in enumerate(ORDER[person][: 6 if i % every == 0 else 5]):
@@ -56,18 +56,18 @@ def note_of(found: Responses) -> str:
     ["subject", "Subj", "subj_nr", "SubjectID", "pid", "PROLIFIC_PID", "workerId", "VP", "VpNr", "vpn", "user",
      "user id", "Proband", "Versuchsperson", "Respondent", "participant number", "Case", "ID", "Session"],
 )  # fmt: skip
-def test_participants_have_many_names(read, name) -> None:
+def test_many_names_of_participant_columns_are_known(read, name) -> None:
     found = read(long(name))
     assert (len(found.participants), found.counts().tolist(), note_of(found)) == (8, COUNTS, "")
     assert list(found.participants) == ["sex"]
 
 
-def test_no_two_known_names_are_spelled_alike() -> None:
+def test_known_column_names_are_distinct() -> None:
     assert len({plain(name) for name in PARTICIPANT}) == len(PARTICIPANT)
 
 
 @pytest.mark.parametrize("name", ["Code", "name", "Kuerzel", "K"])
-def test_the_one_column_beyond_doubt_is_taken_and_said(read, name) -> None:
+def test_unique_identifying_column_is_used_and_reported(read, name) -> None:
     found = read(long(name))
     assert found.counts().tolist() == COUNTS
     assert found.participants.index.tolist() == list(PEOPLE)
@@ -76,7 +76,7 @@ def test_the_one_column_beyond_doubt_is_taken_and_said(read, name) -> None:
     assert note_of(found) == said
 
 
-def test_two_columns_beyond_doubt_are_for_the_map_to_choose_from(read, refusal) -> None:
+def test_two_identifying_columns_require_a_choice_in_the_map(read, refusal) -> None:
     rows = long("Code", "mail")
     assert refusal(rows) == (
         "x.csv:1: no known column tells participants apart, and 'Code' or 'mail' may; expected map.yaml: participant: "
@@ -85,7 +85,7 @@ def test_two_columns_beyond_doubt_are_for_the_map_to_choose_from(read, refusal) 
     assert read(rows, "participant: mail\n").participants.index.tolist() == [f"mail{i}" for i in range(8)]
 
 
-def test_a_column_that_only_may_name_participants_is_not_taken(read, refusal) -> None:
+def test_possible_participant_column_is_not_used_without_the_map(read, refusal) -> None:
     incomplete = long("Code", every=2)
     again = [*long("Code"), long("Code")[3]]
     for rows in (incomplete, again):
@@ -94,7 +94,7 @@ def test_a_column_that_only_may_name_participants_is_not_taken(read, refusal) ->
         assert (len(found.participants), note_of(found)) == (8, "")
 
 
-def test_the_map_that_is_offered_names_the_likely_column(read, refusal, tmp_path) -> None:
+def test_proposed_map_names_the_likely_participant_column(read, refusal, tmp_path) -> None:
     rows = long("Code", "mail", every=2)
     refusal(rows)
     offered = describe_columns(tmp_path / "x.csv", tmp_path / "key.txt")
@@ -112,13 +112,13 @@ def test_the_map_that_is_offered_names_the_likely_column(read, refusal, tmp_path
     assert not any(column.role == "participant?" for column in wrong.columns)
 
 
-def test_a_table_that_cannot_be_read_for_another_reason_shows_its_participants(read, refusal, tmp_path) -> None:
+def test_description_shows_participants_although_reading_fails(read, refusal, tmp_path) -> None:
     assert "changes within a participant" in refusal(long("VP"), "groups: {certainty: sure}\n")
     found = describe_columns(tmp_path / "x.csv", tmp_path / "key.txt", tmp_path / "map.yaml")
     assert {column.name: column.role for column in found.columns}["VP"] == "participant?"
 
 
-def test_rows_of_different_people_are_a_participant_each_and_it_is_said(read) -> None:
+def test_rows_without_repeats_are_one_participant_each_with_a_note(read) -> None:
     found = read(long(""))
     assert (len(found.participants), found.counts().tolist()) == (48, COUNTS)
     assert note_of(found) == "no known column tells participants apart: each row is taken as another person's"
@@ -129,7 +129,7 @@ def test_rows_of_different_people_are_a_participant_each_and_it_is_said(read) ->
     assert note_of(read(numbered, "participant: id\n")) == ""
 
 
-def test_a_column_that_numbers_rows_names_nobody(read, refusal) -> None:
+def test_column_of_row_numbers_does_not_identify_participants(read, refusal) -> None:
     rows = [[*row, str(i) if i else "id"] for i, row in enumerate(long("Code"))]
     message = refusal(rows)
     assert message.startswith(
@@ -139,7 +139,7 @@ def test_a_column_that_numbers_rows_names_nobody(read, refusal) -> None:
     assert (len(found.participants), note_of(found)) == (48, "")
 
 
-def test_a_column_of_sessions_that_many_share_names_nobody(read, refusal) -> None:
+def test_shared_session_column_does_not_identify_participants(read, refusal) -> None:
     rows = [[*row, "1" if i else "session"] for i, row in enumerate(long("Code"))]
     assert refusal(rows).startswith("x.csv:1: 'session' has many answers to one video, and 'Code' may; expected map.y")
     assert len(read(rows, "participant: Code\n").participants) == 8
@@ -151,7 +151,7 @@ def test_a_column_of_sessions_that_many_share_names_nobody(read, refusal) -> Non
     assert (len(first.participants), len(first.answers), len(first.rejected)) == (1, 6, 42)
 
 
-def test_a_table_of_one_person_s_answers_is_one_participant_s(read, tmp_path) -> None:
+def test_table_with_the_answers_of_one_person_is_one_participant(read, tmp_path) -> None:
     rows = long("")
     found = read(rows[:7], file="P01.csv")
     assert found.participants.index.tolist() == ["P01"]
@@ -168,7 +168,7 @@ def test_a_table_of_one_person_s_answers_is_one_participant_s(read, tmp_path) ->
 
 
 @pytest.mark.parametrize("make", [psychopy, psiturk], ids=lambda make: make.__name__)
-def test_rows_of_several_files_may_be_another_person_s_each(make, tmp_path) -> None:
+def test_rows_of_several_files_may_be_one_participant_each(make, tmp_path) -> None:
     export = make()
     said = {"key.csv": KEY.encode(), "map.yaml": f"{export.map}participant: each row\n".encode()}
     for name, data in (export.files | said).items():
@@ -178,7 +178,7 @@ def test_rows_of_several_files_may_be_another_person_s_each(make, tmp_path) -> N
     assert not any("answered twice" in row.reason for row in found.rejected)
 
 
-def test_groups_and_measures_name_nobody(read) -> None:
+def test_groups_and_measures_do_not_identify_participants(read) -> None:
     two = [row for row in long("") if row[0] == "swarm" or float(row[2]) < 0.24]  # a woman's answers and a man's
     assert len({row[3] for row in two[1:]}) == 2
     found = read([[*row, "4" if i else "Schule"] for i, row in enumerate(two)])
@@ -223,7 +223,7 @@ def test_the_map_names_the_columns_of_videos_and_answers(read, refusal) -> None:
     )
 
 
-def test_a_form_that_was_sent_once_for_each_video_is_read_by_rows(read, refusal) -> None:
+def test_form_submitted_once_per_video_is_read_by_rows(read, refusal) -> None:
     rows = [["2026/03/01 9:00" if i else "Timestamp", *row] for i, row in enumerate(long("Code"))]
     refusal(rows)
     found = read(rows, "video: swarm\n")

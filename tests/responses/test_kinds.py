@@ -1,4 +1,4 @@
-"""Kinds of exports that could be counted wrong without a word: each is analyzed right or refused."""
+"""Exports that could silently be counted wrong: each is analyzed correctly or refused."""
 
 import pytest
 
@@ -24,7 +24,7 @@ ANSWERS = "answers: {1: happiness, 2: surprise, 3: anger, 4: fear, 5: disgust, 6
 
 
 def long(head: str, row, people=GIVEN) -> str:
-    """A table with one row for each answer, from participant, video and answer."""
+    """Return a table with one row for each participant and video, with its cells from `row`."""
     return head + "\n" + "".join(row(p, c, label) + "\n" for p, given in people.items() for c, label in given.items())
 
 
@@ -62,18 +62,18 @@ def refusal(read, tmp_path):
 
 @pytest.mark.parametrize("name", ["emotion", "label", "answer", "response", "condition", "category", "Angezeigt"])
 @pytest.mark.parametrize("spell", [str, str.upper, {"happiness": "joy", "fear": "afraid", "anger": "angry"}.get])
-def test_a_column_of_true_emotions_is_never_the_answer_whatever_its_name(read, name, spell) -> None:
+def test_column_of_true_emotions_is_never_read_as_answers(read, name, spell) -> None:
     text = long(f"participant,stimulus,{name},felt", lambda p, c, label: f"{p},{c}.mp4,{spell(TRUE[c])},{label}")
     assert matrix(read(text)) == RIGHT
 
 
-def test_a_column_with_one_label_for_each_video_is_no_answer_even_if_the_key_differs(read) -> None:
+def test_column_with_one_label_per_video_is_not_read_as_answers(read) -> None:
     other = {"z8r4": "fear", "k2m9": "fear", "p5t1": "disgust"}
     text = long("participant,stimulus,response,felt", lambda p, c, label: f"{p},{c}.mp4,{other[c]},{label}")
     assert matrix(read(text)) == RIGHT
 
 
-def test_true_emotions_alone_are_refused_with_the_line_that_decides_and_the_map_may_insist(read, refusal) -> None:
+def test_column_that_equals_the_key_is_refused_unless_the_map_names_it(read, refusal) -> None:
     text = long("participant,stimulus,answer,rt", lambda p, c, _: f"{p},{c}.mp4,{TRUE[c]},1.{len(c)}")
     message = refusal(text)
     assert "column 'answer' agrees with the key on all 9 rows, so it seems to hold the true emotions" in message
@@ -84,20 +84,20 @@ def test_true_emotions_alone_are_refused_with_the_line_that_decides_and_the_map_
     assert "'answer', which the map names for the answers, agrees with the key on all 9 rows" in warning
 
 
-def test_two_columns_that_could_be_the_answers_are_refused_by_name(read, refusal) -> None:
+def test_two_possible_answer_columns_are_refused_by_name(read, refusal) -> None:
     guess = {"happiness": "fear", "surprise": "anger"}
     text = long("participant,video,response,second", lambda p, c, x: f"{p},{c},{x},{guess.get(x, 'sadness')}")
     assert "answers in 'response' and 'second'; expected map.yaml: response: one of them" in refusal(text)
     assert matrix(read(text, "response: response\n")) == RIGHT
 
 
-def test_a_column_about_participants_is_no_answer(read) -> None:
+def test_participant_column_is_not_read_as_answers(read) -> None:
     mood = {"s1": "happy", "s2": "sad", "s3": "happy"}
     text = long("participant,video,mood,felt", lambda p, c, label: f"{p},{c},{mood[p]},{label}")
     assert matrix(read(text)) == RIGHT
 
 
-def test_true_emotions_in_columns_of_videos_are_no_answers(read, refusal) -> None:
+def test_true_emotions_in_video_columns_are_not_read_as_answers(read, refusal) -> None:
     head = "id," + ",".join(f"{c}_shown,{c}_felt" for c in TRUE) + "\n"
     rows = [[p, *(cell for c in TRUE for cell in (TRUE[c], given[c]))] for p, given in GIVEN.items()]
     assert matrix(read(head + "\n".join(map(",".join, rows)))) == RIGHT
@@ -105,13 +105,13 @@ def test_true_emotions_in_columns_of_videos_are_no_answers(read, refusal) -> Non
     assert "agree with the key in all 9 answers" in refusal(head + "\n".join(map(",".join, coded)))
 
 
-def test_the_map_s_column_of_truth_replaces_the_key(read) -> None:
+def test_truth_column_of_the_map_replaces_the_key(read) -> None:
     text = long("participant,video,intention,felt", lambda p, c, label: f"{p},{c}.mp4,{TRUE[c]},{label}")
     assert matrix(read(text, "truth: intention\n", key="")) == RIGHT
-    assert matrix(read(text, key="")) == RIGHT  # it has one label for each video, so that it cannot be anything else
+    assert matrix(read(text, key="")) == RIGHT  # one label for each video can only be the true emotion
 
 
-# 2. Rows that are no answers of the study
+# 2. Rows that are not answers of the study
 
 
 @pytest.mark.parametrize(
@@ -125,7 +125,7 @@ def test_the_map_s_column_of_truth_replaces_the_key(read) -> None:
         ("section", "instructions", "task"),
     ],
 )
-def test_rows_of_practice_instructions_and_checks_are_left_out_and_counted(read, name, practice, main) -> None:
+def test_practice_instruction_and_check_rows_are_excluded_and_counted(read, name, practice, main) -> None:
     text = long(f"participant,video,felt,{name}", lambda p, c, label: f"{p},{c},{label},{main}")
     text += "".join(f"{p},k2m9,disgust,{practice}\n" for p in GIVEN)
     found = read(text)
@@ -133,7 +133,7 @@ def test_rows_of_practice_instructions_and_checks_are_left_out_and_counted(read,
     assert list(found.left_out.values()) == [3]
 
 
-def test_training_between_participants_is_an_experimental_condition(read) -> None:
+def test_training_that_varies_between_participants_is_a_group(read) -> None:
     groups = {"s1": "training", "s2": "control", "s3": "training"}
     text = long("participant,video,felt,condition", lambda p, c, label: f"{p},{c},{label},{groups[p]}")
     found = read(text)
@@ -141,7 +141,7 @@ def test_training_between_participants_is_an_experimental_condition(read) -> Non
     assert found.participants["condition"].to_dict() == groups
 
 
-def test_the_map_keeps_or_leaves_out_rows(read, refusal) -> None:
+def test_map_includes_or_excludes_rows(read, refusal) -> None:
     text = long("participant,video,felt,part", lambda p, c, label: f"{p},{c},{label},B")
     text += "".join(f"{p},k2m9,disgust,A\n" for p in GIVEN)
     for rows in ("keep: {part: B}", "leave_out: {part: [A]}"):
@@ -158,7 +158,7 @@ def test_the_map_keeps_or_leaves_out_rows(read, refusal) -> None:
 PSYCHOPY = ",participant,date,expName,psychopyVersion"
 
 
-def test_answers_of_two_routines_are_all_read(read) -> None:
+def test_answers_of_two_psychopy_routines_are_combined(read) -> None:
     head = f"videoFile,block_a.thisN,block_b.thisN,key_resp.keys,key_resp_2.keys{PSYCHOPY}"
 
     def row(p: str, c: str, label: str) -> str:
@@ -170,7 +170,7 @@ def test_answers_of_two_routines_are_all_read(read) -> None:
     assert found.answers.groupby("participant")["position"].apply(list).tolist() == [[1, 2, 3]] * 3
 
 
-def test_a_key_that_starts_each_trial_is_no_answer(read, refusal) -> None:
+def test_key_press_that_starts_a_trial_is_not_an_answer(read, refusal) -> None:
     head = f"videoFile,trials.thisN,start.keys,choice.keys,sure.keys{PSYCHOPY}"
 
     def row(p: str, c: str, label: str, sure: str = "x") -> str:
@@ -191,13 +191,13 @@ def files_of(head: str, name) -> dict[str, str]:
     return {name(p): long(head, lambda _, c, label: f"{c}.mp4,{label}", {p: given}) for p, given in GIVEN.items()}
 
 
-def test_files_of_one_name_in_several_folders_are_several_participants(read) -> None:
+def test_files_with_one_name_in_several_folders_are_several_participants(read) -> None:
     found = read(files_of("stimulus,felt", lambda p: f"{p}/session/data.csv"))
     assert matrix(found) == RIGHT
     assert found.participants.index.tolist() == ["s1/session/data", "s2/session/data", "s3/session/data"]
 
 
-def test_the_map_can_say_that_each_file_is_a_participant(read, refusal) -> None:
+def test_map_can_define_each_file_as_a_participant(read, refusal) -> None:
     texts = files_of("stimulus,felt", lambda p: f"{p}.csv")
     texts = {name: f"{text}z8r4.mp4,happiness\n" for name, text in texts.items()}
     assert "participant: each file if a file is one person's" in refusal(texts)
@@ -208,7 +208,7 @@ def test_the_map_can_say_that_each_file_is_a_participant(read, refusal) -> None:
 # 5. Repeated presentations
 
 
-def test_many_repeats_are_refused_unless_the_map_says_which_count(read, refusal) -> None:
+def test_many_repeats_are_refused_unless_the_map_chooses(read, refusal) -> None:
     text = long("participant,video,felt", lambda p, c, x: f"{p},{c},sadness\n{p},{c},{x}")
     assert "9 of 18 answers repeat" in refusal(text)
     assert "repeats: first, last or all" in refusal(text)
@@ -218,13 +218,13 @@ def test_many_repeats_are_refused_unless_the_map_says_which_count(read, refusal)
     assert len(read(text, "repeats: all\n").answers) == 18
 
 
-def test_a_position_tells_the_first_answer_where_rows_are_in_another_order(read) -> None:
+def test_first_answer_is_chosen_by_position_not_by_row(read) -> None:
     text = long("participant,video,felt,trial", lambda p, c, x: f"{p},{c},sadness,{10 + len(x)}\n{p},{c},{x},{len(x)}")
     found = read(text, "repeats: first\n")
     assert len(found.answers) == 9
 
 
-# 6. A discarded majority
+# 6. Many unusable rows
 
 
 def test_many_unusable_rows_are_refused_with_grouped_reasons(refusal, read) -> None:
@@ -236,7 +236,7 @@ def test_many_unusable_rows_are_refused_with_grouped_reasons(refusal, read) -> N
     assert matrix(read(text, max_rejected=0.5)) == RIGHT
 
 
-def test_participants_without_a_usable_answer_are_refused_if_they_are_many(refusal, read) -> None:
+def test_many_participants_without_usable_answers_are_refused(refusal, read) -> None:
     people = {f"p{i}": list(GIVEN.values())[i % 3] for i in range(20)}
     text = long("participant,video,felt", lambda p, c, x: f"{p},{c},{x}", people)
     text += "".join(f"q{i},k2m9,?{i}\n" for i in range(3))
@@ -245,7 +245,7 @@ def test_participants_without_a_usable_answer_are_refused_if_they_are_many(refus
     assert read(text, max_rejected=0.2).dropped == {"no usable answer": 3}
 
 
-def test_missing_answers_are_no_fault_of_the_file(read) -> None:
+def test_missing_answers_do_not_count_as_unusable_rows(read) -> None:
     text = long("participant,video,felt", lambda p, c, x: f"{p},{c},{x}")
     text += "".join(f"s{i},{c},{missing}\n" for i in (4, 5) for c, missing in zip(TRUE, ("", "NA", "-99"), strict=True))
     found = read(text)
@@ -256,7 +256,7 @@ def test_missing_answers_are_no_fault_of_the_file(read) -> None:
 # 7. Synonyms
 
 
-def test_every_text_that_is_not_the_label_itself_is_listed_with_its_count(read) -> None:
+def test_synonyms_are_listed_with_their_counts(read) -> None:
     words = {"happiness": "Joy", "surprise": "SURPRISE", "disgust": "disgusted", "sadness": "sadness "}
     found = read(long("participant,video,felt", lambda p, c, x: f"{p},{c},{words.get(x, x)}"))
     assert matrix(found) == RIGHT
@@ -265,12 +265,12 @@ def test_every_text_that_is_not_the_label_itself_is_listed_with_its_count(read) 
     assert glad.synonyms == (Synonym("glad", "happiness", 2),)
 
 
-def test_texts_of_the_map_are_listed_as_such(read) -> None:
+def test_answer_texts_of_the_map_are_marked(read) -> None:
     found = read(long("participant,video,felt", lambda p, c, x: f"{p},{c},{NUMBERS[x]}"), ANSWERS)
     assert found.synonyms[0] == Synonym("1", "happiness", 2, by_map=True)
 
 
-def test_none_of_a_program_is_a_missing_answer_and_none_of_a_survey_is_an_answer(read) -> None:
+def test_python_none_is_a_missing_answer_but_a_chosen_none_is_an_answer(read) -> None:
     def text(spell) -> str:
         return long("participant,video,felt", lambda p, c, x: f"{p},{c},{'None' if x == 'sadness' else spell(x)}")
 
@@ -290,7 +290,7 @@ def test_none_of_a_program_is_a_missing_answer_and_none_of_a_survey_is_an_answer
     "name",
     ["video-{}", "V{}", "stimuli/{}_final.mp4?x=1", "https://x.org/a/{}.webm#t=2", "vid_{}", "C:\\\\v\\\\{}.MP4"],
 )
-def test_a_code_is_found_within_a_longer_name(read, name) -> None:
+def test_video_code_is_found_within_a_longer_name(read, name) -> None:
     text = long("participant,video,felt", lambda p, c, x: f"{p},{name.format(c)},{x}")
     assert matrix(read(text)) == RIGHT
     head = "id," + ",".join(name.format(c) for c in TRUE) + "\n"
@@ -298,31 +298,31 @@ def test_a_code_is_found_within_a_longer_name(read, name) -> None:
     assert matrix(read(wide)) == RIGHT
 
 
-def test_a_name_with_two_codes_is_no_video(refusal) -> None:
+def test_name_with_two_video_codes_is_not_a_video(refusal) -> None:
     assert "unknown video" in refusal(long("participant,video,felt", lambda p, c, x: f"{p},{c} z8r4 k2m9,{x}"))
 
 
-def test_an_exact_name_beats_one_in_other_letters(read) -> None:
+def test_exact_column_name_takes_precedence_over_other_case(read) -> None:
     text = long("participant,Felt,video,felt", lambda p, c, x: f"{p},fear,{c},{x}")
     assert matrix(read(text, "response: felt\n")) == RIGHT
 
 
 @pytest.mark.parametrize("ids", ["1.14E+11", "1,14e+11", "1.2345E+05"])
-def test_ids_that_a_spreadsheet_has_shortened_are_refused(refusal, ids) -> None:
+def test_ids_shortened_by_a_spreadsheet_are_refused(refusal, ids) -> None:
     text = long("participant;video;felt", lambda p, c, x: f"{ids};{c};{x}")
     assert "a spreadsheet has shortened the ids" in refusal(text)
 
 
-# 9. Pilots and model answers
+# 9. Pilot and simulated answers
 
 
-def test_a_pilot_is_left_out_unless_it_is_asked_for(read, refusal) -> None:
+def test_pilot_data_are_excluded_unless_requested(read, refusal) -> None:
     text = long("participant,video,position,response,mode", lambda p, c, x: f"{p},{c},1,{x},pilot")
     assert "no participant is left (3 pilot)" in refusal(text)
     assert matrix(read(text, include_pilots=True)) == RIGHT
 
 
-def test_answers_of_simulated_participants_are_known_as_such(read) -> None:
+def test_answers_of_simulated_participants_are_recognized(read) -> None:
     text = long("participant,video,response,mode", lambda p, c, x: f"{p},{c},{x},simulated")
     assert read(text).simulated
     assert not read(long("participant,video,response", lambda p, c, x: f"{p},{c},{x}")).simulated

@@ -31,33 +31,33 @@ from emovid.responses.responses import EMOTIONS
         ("=1+1", None),
     ],
 )
-def test_an_answer_means_one_label_or_none_at_all(text, label) -> None:
+def test_each_answer_matches_at_most_one_label(text, label) -> None:
     assert Labels().find(text) == label
 
 
-def test_every_label_and_its_adjective_is_found_under_every_spelling() -> None:
+def test_labels_and_adjectives_are_found_in_every_spelling() -> None:
     for label in EMOTIONS:
         for spelled in (label.upper(), f" {label.title()} ", f'"{label}"', f"{label}?"):
             assert Labels().find(spelled) == label
 
 
-def test_other_labels_take_over_the_words_for_them() -> None:
+def test_custom_labels_take_over_their_synonyms() -> None:
     labels = Labels(["Joy", "calm", "None of these"])
     assert labels.signalled == ("Joy", "calm")
     assert labels.offers_none
     assert [labels.find(word) for word in ("happy", "CALM", "none", "sad")] == ["Joy", "calm", "none", None]
 
 
-def test_the_six_emotions_are_written_as_everywhere() -> None:
+def test_emotions_have_their_standard_spelling() -> None:
     assert Labels(["FEAR", " Anger ", "Joy", "Mild  fear"]).signalled == ("fear", "anger", "Joy", "Mild fear")
 
 
-def test_where_two_words_for_a_feeling_are_labels_neither_stands_for_a_third() -> None:
+def test_two_synonymous_labels_share_no_further_synonyms() -> None:
     labels = Labels(["joy", "happiness"])
     assert [labels.find(word) for word in ("joy", "happiness", "happy")] == ["joy", "happiness", None]
 
 
-def test_the_map_s_answers_come_first() -> None:
+def test_answers_of_the_map_take_precedence() -> None:
     labels = Labels(
         EMOTIONS, {"1": "happy", "A2": "none", "Freude": "happiness", "sad": "fear", "-": None, "-1": "anger"}
     )
@@ -77,16 +77,16 @@ def test_the_map_s_answers_come_first() -> None:
         (["joy", "fear"], {"1": "sad"}, "answers: 1: 'sad' is not a label; expected joy, fear or none"),
     ],
 )
-def test_labels_that_cannot_be_meant_are_refused(names, answers, message) -> None:
+def test_invalid_labels_are_refused(names, answers, message) -> None:
     with pytest.raises(SourceError) as error:
         Labels(names, answers)
     assert str(error.value) == message
 
 
-def test_whole_numbers_lose_their_decimals() -> None:
+def test_trailing_zero_decimals_are_removed() -> None:
     assert [number(text) for text in ("24.0000000000", " 3 ", "3.5", "x.0")] == ["24", "3", "3.5", "x.0"]
 
 
-def test_whole_numbers_lose_decimals_after_a_comma_but_not_their_thousands() -> None:
+def test_zero_decimals_after_a_comma_are_removed_but_not_thousands() -> None:
     texts = ("24,0", "24,00", "1,0000000000", "1,000", "3,5", "1,000,000")
     assert [number(text) for text in texts] == ["24", "24", "1", "1,000", "3,5", "1,000,000"]

@@ -47,7 +47,7 @@ def reasons(found) -> list[tuple[int, str, str, str]]:
     return [(row.row, row.cell, row.value, row.reason) for row in found.rejected]
 
 
-def test_codes_that_name_emotions_need_no_key(read) -> None:
+def test_codes_with_emotion_names_need_no_key(read) -> None:
     found = read(HEAD + "a,videos/Anger.mp4,angry,f\na,video_fear,Sad,f\nb,happiness 1,happy,m\n")
     assert found.answers["signalled"].tolist() == ["anger", "fear", "happiness"]
     assert found.answers["perceived"].tolist() == ["anger", "sadness", "happiness"]
@@ -58,18 +58,18 @@ def test_codes_that_name_emotions_need_no_key(read) -> None:
     assert len(found.sources[0].sha256) == 64
 
 
-def test_columns_that_name_emotions_need_no_key_either(read) -> None:
+def test_columns_with_emotion_names_need_no_key(read) -> None:
     found = read("id,age,Anger,Fear,fear of robots\n1,20,angry,sad,4\n2,30,fear,fear,2\n")
     assert found.answers["signalled"].tolist() == ["anger", "anger", "fear", "fear"]
     assert found.participants["age"].tolist() == ["20", "30"]
 
 
-def test_a_file_that_says_what_is_signalled_needs_no_key(read) -> None:
+def test_file_with_a_column_of_signaled_emotions_needs_no_key(read) -> None:
     found = read("participant,video,true_emotion,response\n1,z8,anger,fear\n2,z8,anger,angry\n")
     assert found.answers[["video", "signalled"]].to_numpy().tolist() == [["z8", "anger"]] * 2
 
 
-def test_each_answer_that_does_not_count_has_its_row_and_reason(read) -> None:
+def test_rejected_answers_have_row_and_reason(read) -> None:
     rows = ["a,z8r4,happy,f", "a,z8r4,sad,f", "a,nope,sad,f", "a,k2m9,meh,f", "b,z8r4,,m", ",k2m9,fear,", "b,,fear,m"]
     text = HEAD + "\n".join([*rows, "b,k2m9", "b,k2m9,fear,m"]) + "\n"
     found = read(text, KEY, "repeats: first\n", max_rejected=1)
@@ -85,13 +85,13 @@ def test_each_answer_that_does_not_count_has_its_row_and_reason(read) -> None:
     assert found.answers[["participant", "perceived"]].to_numpy().tolist() == [["a", "happiness"], ["b", "fear"]]
 
 
-def test_an_answer_that_is_refused_does_not_use_up_the_video(read) -> None:
+def test_rejected_answer_does_not_block_a_later_one(read) -> None:
     found = read(HEAD + "a,anger,,f\na,anger,meh,f\na,anger,fear,f\n", max_rejected=1)
     assert found.answers["perceived"].tolist() == ["fear"]
     assert [row.row for row in found.rejected] == [2, 3]
 
 
-def test_none_of_these_is_a_row_of_its_own(read) -> None:
+def test_none_of_these_is_a_separate_row(read) -> None:
     found = read(HEAD + "a,anger,none of these,f\nb,anger,angry,m\n")
     others = tuple(label for label in EMOTIONS if label != "anger")
     assert found.labels == ("anger", *others, "none")
@@ -100,7 +100,7 @@ def test_none_of_these_is_a_row_of_its_own(read) -> None:
     assert read(HEAD + "b,anger,angry,m\n", labels=["anger", "fear", "none"]).labels == ("anger", "fear", "none")
 
 
-def test_a_label_that_no_video_stands_for_is_a_row_without_a_column(read) -> None:
+def test_label_without_a_video_is_a_row_without_a_column(read) -> None:
     rows = "a,awe,sadness,f\na,fear,awe,f\nb,awe,awe,m\nb,fear,fear,m\n"
     labels = ["sadness", "awe", "surprise", "fear", "none"]
     found = read(HEAD + rows, labels=labels)
@@ -110,16 +110,16 @@ def test_a_label_that_no_video_stands_for_is_a_row_without_a_column(read) -> Non
     assert {*results.recognition} == {*results.goodness_of_fit} == {"awe", "fear"}
     assert {*results.groups["gender"]["f"].recognition} == {"awe", "fear"}
     holm = [results.recognition[name].p_holm for name in ("awe", "fear")]
-    assert holm == pytest.approx([2 * (1 - 0.8**2)] * 2)  # 1 of 2 hits at chance 1 / 5, over two videos and no more
-    assert results.recognition["awe"].chance == 1 / 5  # it may be answered all the same
+    assert holm == pytest.approx([2 * (1 - 0.8**2)] * 2)  # 1 of 2 hits at chance 1 / 5, over two videos only
+    assert results.recognition["awe"].chance == 1 / 5  # it may still be an answer
     assert not any("missing" in warning or "no answers" in warning for warning in results.warnings)
     assert "no video stands for sadness, surprise: rows of the matrix without a column" in results.warnings
     keyed = read(HEAD + "a,m1,sadness,f\n", "video_code,true_emotion\nm1,awe\nm2,fear\n", labels=labels)
-    assert keyed.signalled == ("awe", "fear")  # the key has a video of fear, though nobody answered
+    assert keyed.signalled == ("awe", "fear")  # the key has a video of fear, although it has no answers
     assert "fear: no answers to a video of it" in analyze(keyed).warnings
 
 
-def test_what_the_circumplex_leaves_out_is_said(read) -> None:
+def test_labels_without_a_circumplex_position_are_reported(read) -> None:
     found = analyze(read(HEAD + "a,awe,fear,f\na,fear,awe,f\n", labels=["awe", "fear"]))
     said = (*found.warnings, *found.notes)
     assert (
@@ -129,13 +129,13 @@ def test_what_the_circumplex_leaves_out_is_said(read) -> None:
     assert not any("circumplex" in line for line in analyze(read(HEAD + "a,fear,fear,f\n")).warnings)
 
 
-def test_labels_of_the_map_and_of_the_caller(read) -> None:
+def test_labels_argument_overrides_the_map(read) -> None:
     text = HEAD + "a,calm,Calm,f\na,tense,calm,f\n"
     assert read(text, mapping="labels: [calm, tense]\n").counts().tolist() == [[1, 1], [0, 0]]
     assert read(text, mapping="labels: [joy, fear]\n", labels=["tense", "calm"]).signalled == ("tense", "calm")
 
 
-def test_the_map_says_participants_videos_answers_groups_and_whom_to_drop(read) -> None:
+def test_map_defines_columns_answers_groups_and_exclusions(read) -> None:
     mapping = """
 participant: Wer
 videos: {Frage 1: z8r4, Frage 2: k2m9}
@@ -156,14 +156,14 @@ drop: {Geschlecht: [roboter, 7]}
 
 
 @pytest.mark.parametrize("value", ["007", "1.50", "TRUE", "no", "0x10", "2026-01-01"])
-def test_values_of_the_map_are_meant_as_they_are_written(read, value) -> None:
+def test_map_values_are_used_verbatim(read, value) -> None:
     text = f"who,video,response\n{value},fear,fear\nb,fear,{value}\n"
     found = read(text, mapping=f"participant: who\ndrop: {{who: [{value}]}}\nanswers: {{{value}: fear}}\n")
     assert found.answers[["participant", "perceived"]].to_numpy().tolist() == [["b", "fear"]]
     assert found.dropped == {f"who = {value}": 1}
 
 
-def test_whom_the_map_drops_in_vain_is_counted_as_nobody(read, refusal) -> None:
+def test_exclusion_rule_without_a_match_counts_zero(read, refusal) -> None:
     found = read(HEAD + "a,anger,angry,f\n", mapping="drop: {participant: [P07]}\n")
     assert found.dropped == {"participant = P07": 0}
     assert "participants left out: 0 participant = P07" in analyze(found).warnings
@@ -177,7 +177,7 @@ def test_a_participant_without_a_usable_answer_is_counted(read) -> None:
     assert found.dropped == {"no usable answer": 1}
 
 
-def test_formulas_in_cells_are_data(read) -> None:
+def test_formulas_in_cells_are_read_as_data(read) -> None:
     found = read(HEAD + '=1+1,anger,angry,"=HYPERLINK(""x"")"\nb,anger,=fear,m\n')
     assert found.participants["gender"].to_dict() == {"=1+1": '=HYPERLINK("x")', "b": "m"}
     assert found.answers["perceived"].tolist() == ["anger", "fear"]
@@ -191,7 +191,7 @@ ORDERED = "participant,video,response,position\n"
     [
         (["1", "2"], ["2", "1"], [1, 2, 2, 1]),
         (["0", "1"], ["1", "0"], [1, 2, 2, 1]),  # counted from 0
-        (["7", "12"], ["12", "7"], [1, 2, 2, 1]),  # trials, of which some show no video
+        (["7", "12"], ["12", "7"], [1, 2, 2, 1]),  # trial numbers, some of trials without a video
         (["999999999", "5"], ["5", "6"], [2, 1, 1, 2]),
         (["1.0", "2.0"], ["'2,0'", "'1,0'"], [1, 2, 2, 1]),
         (["3", "3"], ["1", "2"], [None, None, 1, 2]),  # of the first, the number of a list
@@ -199,7 +199,7 @@ ORDERED = "participant,video,response,position\n"
         (["2", ""], ["1", "2"], [2, None, 1, 2]),
     ],
 )
-def test_whatever_counts_the_answers_positions_are_places_from_1(read, first, second, places) -> None:
+def test_positions_from_any_counter_become_ranks_from_1(read, first, second, places) -> None:
     rows = [
         f"{who},{video},fear,{place}\n".replace("'", '"')
         for who, order in (("a", first), ("b", second))
@@ -209,7 +209,7 @@ def test_whatever_counts_the_answers_positions_are_places_from_1(read, first, se
     assert [None if place is pd.NA else place for place in found] == places
 
 
-def test_an_answer_that_is_sent_twice_leaves_the_positions_known(read) -> None:
+def test_repeated_answer_keeps_known_positions(read) -> None:
     found = read(ORDERED + "a,fear,fear,1\na,fear,sad,1\na,anger,anger,2\n", mapping="repeats: first\n")
     assert found.answers["position"].tolist() == [1, 2]
 
@@ -218,7 +218,7 @@ def test_an_answer_that_is_sent_twice_leaves_the_positions_known(read) -> None:
 def test_positions_in_columns_may_count_from_0_and_have_decimals(read, cells) -> None:
     first, second = cells.split("\n")
     found = read(f"id,Anger,Fear,anger_position,fear_position\n1,anger,fear,{first}\n2,anger,fear,{second}\n")
-    assert found.answers["position"].tolist() == [1, 2, 2, 1]  # anger of both, then fear of both
+    assert found.answers["position"].tolist() == [1, 2, 2, 1]  # first the answers to anger, then to fear
 
 
 def test_decimal_commas_are_read_in_answers_groups_and_scores(read) -> None:
@@ -231,12 +231,12 @@ def test_decimal_commas_are_read_in_answers_groups_and_scores(read) -> None:
 
 
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
-def test_json_is_known_behind_a_byte_order_mark(read, encoding) -> None:
+def test_json_with_a_byte_order_mark_is_recognized(read, encoding) -> None:
     trials = '[{"trial_type": "x", "trial_index": 0, "subject": "a", "video": "fear", "response": "fear"}]'
     assert read(trials.encode(encoding)).sources[0].dialect == "jsPsych"
 
 
-def test_rows_without_a_participant_column_are_a_participant_each(read, tmp_path) -> None:
+def test_without_a_participant_column_each_row_is_a_participant(read, tmp_path) -> None:
     text = "Anger,Fear\nangry,fear\nsad,fear\n"
     assert read(text).participants.index.tolist() == ["1", "2"]
     read(text, name="y.csv")
@@ -244,12 +244,12 @@ def test_rows_without_a_participant_column_are_a_participant_each(read, tmp_path
     assert found.participants.index.tolist() == ["x:1", "x:2", "y:1", "y:2"]
 
 
-def test_a_group_that_is_asked_for_is_found_by_name_or_by_question(read) -> None:
+def test_requested_group_is_found_by_name_or_question_text(read) -> None:
     text = "id,Do you have a robotics background?,Anger,Fear\n1,yes,angry,fear\n2,no,sad,fear\n"
     assert read(text, groups=["robotics_background"]).participants["robotics_background"].tolist() == ["yes", "no"]
 
 
-def test_in_a_folder_files_that_are_no_export_are_named_and_skipped(tmp_path) -> None:
+def test_other_files_in_a_folder_are_named_and_skipped(tmp_path) -> None:
     folder = tmp_path / "exports"
     folder.mkdir()
     for name, data in (own().files | {"notes.txt": b"call Ada\n", "empty.csv": b"", "x.xlsx": b"PK\x03\x04"}).items():
@@ -264,7 +264,7 @@ def test_in_a_folder_files_that_are_no_export_are_named_and_skipped(tmp_path) ->
     assert found.rejected[4].reason == "not a workbook: Cannot detect file format"
 
 
-def test_files_of_one_participant_each_add_up(tmp_path) -> None:
+def test_files_with_one_participant_each_are_combined(tmp_path) -> None:
     export = psychopy()
     for name, data in export.files.items():
         (tmp_path / name).write_bytes(data)
@@ -301,11 +301,11 @@ def test_files_of_one_participant_each_add_up(tmp_path) -> None:
          "x.csv:1: no column tells its participants apart; expected map.yaml: participant"),
     ],
 )  # fmt: skip
-def test_a_file_that_cannot_be_understood_is_refused_in_one_line(refusal, text, message) -> None:
+def test_unreadable_file_gives_a_one_line_message(refusal, text, message) -> None:
     assert refusal(text) == message
 
 
-def test_an_unknown_file_is_told_what_was_looked_for(refusal) -> None:
+def test_unknown_format_message_lists_the_known_formats(refusal) -> None:
     message = refusal("name,town\nAda,London\n")
     assert message.startswith("x.csv:1: unknown format: columns 'name', 'town'; looked for the headers of Qualtr")
     assert message.endswith(
@@ -333,7 +333,7 @@ KEYS = [
 
 
 @pytest.mark.parametrize(("key", "message"), KEYS)
-def test_a_key_that_cannot_be_meant(refusal, key, message) -> None:
+def test_invalid_key_is_refused(refusal, key, message) -> None:
     assert refusal(HEAD + "a,anger,angry,f\n", key) == message
 
 
@@ -378,11 +378,11 @@ MAPS = [
 
 
 @pytest.mark.parametrize(("mapping", "message"), MAPS)
-def test_a_map_that_cannot_be_meant(refusal, mapping, message) -> None:
+def test_invalid_map_is_refused(refusal, mapping, message) -> None:
     assert refusal("person,video,response,gender\na,m1,angry,f\n", "", mapping) == message
 
 
-def test_who_is_no_participant_of_the_study_is_dropped_and_counted(read) -> None:
+def test_previews_and_test_runs_are_dropped_and_counted(read) -> None:
     head = ["ResponseId,Status,Finished,Progress,RecordedDate,Q_RecaptchaScore,Anger,Fear"]
     kinds = ["IP Address,True,100", "Spam,True,100", "Survey Test,True,100", "Survey Preview,False,3", "0,1,100"]
     rows = [f"R{i},{kind},2026,0.9,angry,fear" for i, kind in enumerate(kinds)]
@@ -391,52 +391,52 @@ def test_who_is_no_participant_of_the_study_is_dropped_and_counted(read) -> None
     assert found.dropped == {"preview": 1, "test run": 1, "spam": 1, "bot": 1}
 
 
-def test_a_group_that_changes_within_a_participant_is_none(refusal) -> None:
+def test_group_that_changes_within_a_participant_is_refused(refusal) -> None:
     message = refusal(HEAD + "a,anger,angry,f\na,fear,fear,m\n", groups=["gender"])
     assert message == "x.csv:1: gender: changes within a participant; expected one value for each"
 
 
-def test_a_group_that_no_file_has_is_refused(refusal) -> None:
+def test_unknown_group_is_refused(refusal) -> None:
     message = refusal(HEAD + "a,anger,angry,f\n", groups=["gendre"])
     assert message == "--by: gendre: no file has this group (did you mean gender?); expected gender"
 
 
-def test_nobody_is_left_of_a_table_with_positions(refusal) -> None:
+def test_table_of_test_runs_only_is_refused(refusal) -> None:
     text = ORDERED.strip() + ",status\na,anger,angry,1,test\n"
     assert refusal(text) == "x.csv: no participant is left (1 test run); expected answers"
 
 
-def test_psiturk_s_questions_alone_hold_no_answer(refusal) -> None:
+def test_psiturk_questions_without_trials_are_refused(refusal) -> None:
     assert refusal("w:A,gender,Female\nv:B,gender,Male\n") == "x.csv: no answer in it; expected some"
 
 
-def test_jspsych_s_answers_may_stand_in_a_column_of_their_own(read) -> None:
+def test_jspsych_answers_may_be_in_a_separate_column(read) -> None:
     text = "trial_type,trial_index,subject,video,answer\nx,0,a,fear,sad\nx,1,a,anger,angry\n"
     found = read(text)
     assert found.sources[0].dialect == "jsPsych"
     assert found.answers[["perceived", "position"]].to_numpy().tolist() == [["sadness", 1], ["anger", 2]]
 
 
-def test_otree_s_table_may_lack_the_columns_of_its_pages(read) -> None:
+def test_otree_table_without_page_columns_is_read(read) -> None:
     text = "participant.code,subsession.round_number,player.video,player.response\nab,2,fear,sad\nab,1,anger,angry\n"
     found = read(text)
     assert found.sources[0].dialect == "oTree"
     assert found.answers[["perceived", "position"]].to_numpy().tolist() == [["sadness", 2], ["anger", 1]]
 
 
-def test_a_question_about_an_emotion_is_no_video_of_it(read) -> None:
+def test_question_about_an_emotion_is_not_read_as_a_video(read) -> None:
     found = read("id,Anger,fear of robots\n1,angry,4\n")
     assert found.answers["signalled"].tolist() == ["anger"]
     assert found.participants["fear of robots"].tolist() == ["4"]
 
 
-def test_an_error_is_the_same_after_another_process_raised_it() -> None:
+def test_errors_survive_pickling() -> None:
     error = SourceError("x.csv", "empty; expected rows", 3, "video")
     again = pickle.loads(pickle.dumps(error))  # noqa: S301 - our own bytes
     assert (str(again), again.where, again.line, again.key) == (str(error), "x.csv", 3, "video")
 
 
-def test_a_folder_that_cannot_be_read_is_one_line(tmp_path, monkeypatch) -> None:
+def test_unreadable_folder_gives_a_one_line_message(tmp_path, monkeypatch) -> None:
     def refuse(*_):
         raise PermissionError(13, "Permission denied")
 
@@ -446,27 +446,27 @@ def test_a_folder_that_cannot_be_read_is_one_line(tmp_path, monkeypatch) -> None
     assert str(error.value) == f"{tmp_path}: cannot be read: permission denied"
 
 
-def test_a_column_of_the_map_that_several_columns_could_be(refusal, read) -> None:
+def test_ambiguous_column_name_in_a_map_is_refused(refusal, read) -> None:
     text = "who,Which?,Which?,Say!\na,angry,sad,fear\n"
     message = refusal(text, KEY, "videos: {'Which?': z8r4, 'Say!': k2m9}\n")
     assert message == "x.csv:1: Which?: 2 columns have this name; expected one: list the codes in their order"
-    found = read(text, KEY, "videos: {SAY: k2m9}\n")  # however it is spelled
+    found = read(text, KEY, "videos: {SAY: k2m9}\n")  # in every spelling
     assert found.answers[["video", "perceived"]].to_numpy().tolist() == [["k2m9", "fear"]]
 
 
-def test_a_video_that_two_emotions_are_said_of_is_unknown(refusal) -> None:
+def test_video_with_two_true_emotions_is_unknown(refusal) -> None:
     text = "participant,video,true_emotion,response\n1,z8,anger,fear\n2,z8,fear,angry\n"
     assert "'z8' unknown video; expected an emotion, or a key" in refusal(text)
 
 
-def test_files_that_are_not_there(tmp_path) -> None:
+def test_missing_files_are_reported(tmp_path) -> None:
     with pytest.raises(SourceError, match=r"no\.csv: cannot be read: no such file"):
         read_responses(tmp_path / "no.csv")
     with pytest.raises(SourceError, match="no file here"):
         read_responses(tmp_path)
 
 
-def test_a_forgotten_key_is_said_even_if_test_runs_were_left_out(tmp_path) -> None:
+def test_missing_key_is_reported_although_test_runs_were_excluded(tmp_path) -> None:
     rows = "participant,video,response,status\n1,z8r4,fear,complete\n2,z8r4,fear,test\n"
     (tmp_path / "own.csv").write_text(rows)
     with pytest.raises(SourceError, match=r"own.csv:2: video: 'z8r4' unknown video; expected an emotion, or a key"):
@@ -482,7 +482,7 @@ def test_a_folder_is_described_by_its_first_export(tmp_path) -> None:
     assert (found.file, found.dialect) == (str(tmp_path / "b.csv"), "long table")
 
 
-def test_columns_are_described_and_a_map_is_offered(tmp_path) -> None:
+def test_columns_are_described_with_a_proposed_map(tmp_path) -> None:
     file = tmp_path / "x.csv"
     file.write_text(
         "Timestamp,Who are you?,Which?,Which?2\n1/2/2026 9:00,Ada,angry,traurig\n1/3/2026 9:00,Bob,sad,fear\n"
@@ -501,7 +501,7 @@ def test_columns_are_described_and_a_map_is_offered(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("make", EXPORTS, ids=lambda make: make.__name__)
-def test_the_map_that_is_offered_for_a_readable_export_reads_it_alike(make, tmp_path) -> None:
+def test_proposed_map_reads_the_export_to_the_same_result(make, tmp_path) -> None:
     export = make()
     (tmp_path / "exports").mkdir()
     for name, data in export.files.items():
@@ -517,14 +517,14 @@ def test_the_map_that_is_offered_for_a_readable_export_reads_it_alike(make, tmp_
     assert after.participants.equals(before.participants)
 
 
-def test_what_differs_between_videos_is_no_group(read) -> None:
+def test_column_that_differs_between_videos_is_not_a_group(read) -> None:
     text = "id,gender,Anger,Fear,fear of robots,anger_position,fear_position,fear time\n1,f,angry,fear,4,1,2,3\n"
     assert list(read(text).participants) == ["gender", "fear of robots"]
     coded = "id,gender,z8r4,k2m9,z8r4_loops,Loops k2m9\n1,f,angry,fear,4,5\n"
     assert list(read(coded, KEY).participants) == ["gender"]
 
 
-def test_paths_may_be_text(tmp_path) -> None:
+def test_paths_may_be_strings(tmp_path) -> None:
     (tmp_path / "own.csv").write_bytes(own().files["own.csv"])
     (tmp_path / "key.csv").write_text(KEY)
     (tmp_path / "map.yaml").write_text("labels:\n")
@@ -532,7 +532,7 @@ def test_paths_may_be_text(tmp_path) -> None:
     assert found.counts().tolist() == COUNTS
 
 
-def test_what_a_readable_export_was_taken_as(tmp_path) -> None:
+def test_described_columns_of_a_readable_export(tmp_path) -> None:
     (tmp_path / "own.csv").write_bytes(own().files["own.csv"])
     (tmp_path / "key.csv").write_text(KEY)
     found = describe_columns(tmp_path / "own.csv", tmp_path / "key.csv")

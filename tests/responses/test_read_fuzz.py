@@ -1,4 +1,4 @@
-"""No file makes anything but `Responses` or one line that says what is wrong."""
+"""Every file gives `Responses` or a one-line error message."""
 
 import json
 from pathlib import Path
@@ -75,12 +75,12 @@ WORDS = [
 
 
 def tolerant(examples: int) -> settings:
-    """Take examples of any length, since files take their time."""
+    """Suppress the health check for slow examples, since reading files takes time."""
     return settings(max_examples=examples, suppress_health_check=[HealthCheck.too_slow])
 
 
 def check(data: bytes, mapping: str = "", name: str = "x.csv") -> None:
-    """Read bytes with and without a key; what is returned holds together, what is raised is one line."""
+    """Read bytes with and without a key; a result is consistent, and an error is one line."""
     with TemporaryDirectory() as folder:
         file, key, said = (Path(folder) / title for title in (name, "key.csv", "map.yaml"))
         file.write_bytes(data)
@@ -109,7 +109,7 @@ def is_one_line(error: SourceError) -> None:
 
 @tolerant(40)
 @given(st.binary(max_size=200))
-def test_any_bytes(data) -> None:
+def test_any_bytes_give_responses_or_a_one_line_error(data) -> None:
     check(data)
 
 
@@ -119,13 +119,13 @@ def test_any_bytes(data) -> None:
     st.sampled_from(",;\t"),
     st.dictionaries(st.sampled_from(["participant", "video", "response"]), st.sampled_from([*WORDS, "each row"])),
 )
-def test_any_table_of_the_tools_words(rows, delimiter, mapping) -> None:
+def test_any_table_of_known_words_gives_responses_or_a_one_line_error(rows, delimiter, mapping) -> None:
     check("\n".join(delimiter.join(row) for row in rows).encode(), yaml.safe_dump(mapping) if mapping else "")
 
 
 @tolerant(60)
 @given(st.data())
-def test_any_damage_to_a_real_export(data) -> None:
+def test_any_damage_to_a_real_export_gives_responses_or_a_one_line_error(data) -> None:
     _, name, content, mapping = data.draw(st.sampled_from(FILES))
     content = content[:2000] if data.draw(st.booleans()) else content
     for _ in range(data.draw(st.integers(1, 4))):
@@ -144,7 +144,7 @@ json_values = st.recursive(
 
 @tolerant(40)
 @given(st.lists(st.dictionaries(st.sampled_from(WORDS), json_values, max_size=6), max_size=5))
-def test_any_list_of_trials(trials) -> None:
+def test_any_list_of_trials_gives_responses_or_a_one_line_error(trials) -> None:
     check(json.dumps(trials).encode(), name="x.json")
 
 
@@ -152,12 +152,12 @@ def test_any_list_of_trials(trials) -> None:
 @given(st.text(max_size=80) | st.sampled_from(list(ExportMap.model_fields)).flatmap(
     lambda key: json_values.map(lambda value: f"{key}: {value!r}")
 ))  # fmt: skip
-def test_any_map(mapping) -> None:
+def test_any_map_gives_responses_or_a_one_line_error(mapping) -> None:
     check(b"participant,video,response\na,z8r4,happy\n", mapping or " ")
 
 
 @pytest.mark.parametrize("key", ["", "a", '"', "video_code,true_emotion\n\xff,\n", "video_code\ttrue_emotion\n\t"])
-def test_any_key(tmp_path, key) -> None:
+def test_any_invalid_key_gives_a_one_line_error(tmp_path, key) -> None:
     (tmp_path / "x.csv").write_text("participant,video,response\na,z8r4,happy\n")
     (tmp_path / "key.csv").write_text(key, encoding="latin-1")
     with pytest.raises(SourceError) as error:

@@ -1,4 +1,4 @@
-"""A change of an export that does not change its meaning leaves its matrix, or the export is refused."""
+"""Changes of an export without a change of meaning keep its matrix, or the export is refused."""
 
 import csv
 import io
@@ -25,7 +25,7 @@ OTHERS = {
     "RT.seconds": lambda i: f"{1 + (7 * i) % 13}.{i % 10}",
     "comment": lambda i: ("no idea", "it looked angry to me, or sad", "", "fear?? not sure", "nice robots")[i % 5],
 }
-HEADERS = {"qualtrics": 2, "surveymonkey": 1}  # rows below the first that belong to the header
+HEADERS = {"qualtrics": 2, "surveymonkey": 1}  # further header rows below the first
 FIXTURES = {make.__name__: make for make in EXPORTS}
 
 
@@ -117,7 +117,7 @@ def matrix_of(export: Export) -> list[list[int]] | None:
         return found.counts().tolist() if found.labels == EMOTIONS else [[len(found.labels)]]
 
 
-# The order of columns is the only thing that tells equal questions of Google Forms apart, so that it must stay.
+# Equal questions of Google Forms differ only in column order, which therefore must stay.
 IN_COLUMN_ORDER = ("google_sheets",)
 
 
@@ -130,12 +130,12 @@ IN_COLUMN_ORDER = ("google_sheets",)
     st.sampled_from(["", *TRUTHS, *OTHERS]),
     st.booleans(),
 )
-def test_the_matrix_stays_or_the_export_is_refused(name, seed, rows, columns, added, renamed) -> None:
+def test_equivalent_changes_keep_the_matrix_or_are_refused(name, seed, rows, columns, added, renamed) -> None:
     change = Change(seed, rows, columns and name not in IN_COLUMN_ORDER, added, renamed)
     assert matrix_of(changed(name, change)) in (None, COUNTS)
 
 
 @pytest.mark.parametrize("added", ["correct_answer", "rt", "comment"])
 @pytest.mark.parametrize("name", ["own", "generic_wide", "jspsych", "psychopy", "qualtrics"])
-def test_a_harmless_column_does_not_lead_to_a_refusal(name, added) -> None:
+def test_additional_column_does_not_lead_to_a_refusal(name, added) -> None:
     assert matrix_of(changed(name, Change(0, rows=True, columns=False, added=added, renamed=False))) == COUNTS

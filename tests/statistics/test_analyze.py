@@ -15,7 +15,7 @@ from tests.helpers.known import TABLE_III
 
 
 def responses(counts: np.ndarray, positions: bool = False) -> Responses:
-    """Return participants whose answers add up to the counts, in two groups."""
+    """Return participants in two groups whose answers add up to the counts."""
     people = int(counts.sum(axis=0).max())
     rows = []
     for j, video in enumerate(EMOTIONS):
@@ -34,14 +34,14 @@ def results() -> StudyResults:
     return analyze(responses(TABLE_III))
 
 
-def test_the_matrix_is_that_of_the_paper(results) -> None:
+def test_matrix_matches_the_paper(results) -> None:
     assert results.counts.tolist() == TABLE_III.tolist()
     assert results.percent[0] == pytest.approx([64.44, 17.78, 8.89, 4.44, 4.44, 13.33], abs=0.005)
     assert (results.n_participants, results.n_responses, results.n_videos) == (45, 270, 6)
     assert results.emotions == EMOTIONS
 
 
-def test_goodness_of_fit_is_scipy_s(results) -> None:
+def test_goodness_of_fit_agrees_with_scipy(results) -> None:
     for j, name in enumerate(EMOTIONS):
         expected = chisquare(TABLE_III[:, j])
         fit = results.goodness_of_fit[name]
@@ -49,7 +49,7 @@ def test_goodness_of_fit_is_scipy_s(results) -> None:
         assert {"n", "statistic", "dof", "p", "p_exact", "cohens_w"} <= set(vars(fit))
 
 
-def test_recognition_is_scipy_s(results) -> None:
+def test_recognition_agrees_with_scipy(results) -> None:
     for j, name in enumerate(EMOTIONS):
         found = results.recognition[name]
         test = binomtest(int(TABLE_III[j, j]), 45, 1 / 6, alternative="greater")
@@ -59,7 +59,7 @@ def test_recognition_is_scipy_s(results) -> None:
     assert results.recognition["fear"].verdict == "relative majority"
 
 
-def test_groups_add_up_to_the_whole(results) -> None:
+def test_groups_add_up_to_the_total(results) -> None:
     levels = results.groups["hand"]
     assert {level: block.n_participants for level, block in levels.items()} == {"left": 30, "right": 15}
     assert sum(block.counts for block in levels.values()).tolist() == TABLE_III.tolist()
@@ -67,44 +67,44 @@ def test_groups_add_up_to_the_whole(results) -> None:
     assert list(results.group_differences["hand"].videos) == list(EMOTIONS)
 
 
-def test_everything_is_json_without_nan(results) -> None:
+def test_results_are_json_without_nan(results) -> None:
     found = as_json(results)
     assert json.loads(json.dumps(found, allow_nan=False)) == found
 
 
-def test_every_test_has_its_sentence(results) -> None:
+def test_every_test_has_an_apa_sentence(results) -> None:
     found = as_json(results)
     assert found["goodness_of_fit"]["fear"]["apa"] == "χ²(5, N = 45) = 27.67, p < .001, w = 0.78"
     assert found["recognition"]["fear"]["apa"].startswith("18/45 (40.0%, 95% CI [27.0, 54.5])")
     assert "expected" in found["near_neighbours"]["apa"]
 
 
-def test_the_seed_decides(results) -> None:
+def test_results_depend_on_the_seed(results) -> None:
     assert as_json(analyze(responses(TABLE_III))) == as_json(results)
     assert analyze(responses(TABLE_III), seed=1).recognition["fear"] != results.recognition["fear"]
 
 
-def test_the_order_is_looked_at_where_it_is_known(results) -> None:
+def test_order_effect_is_tested_only_with_known_positions(results) -> None:
     assert results.dependence.order is None
     known = analyze(responses(TABLE_III, positions=True))
     assert sum(known.dependence.order.n) == 270
 
 
-def test_a_matrix_alone_gives_what_it_can(results) -> None:
+def test_matrix_without_answers_gives_the_possible_tests(results) -> None:
     alone = analyze_counts(TABLE_III, EMOTIONS, EMOTIONS)
     assert alone.goodness_of_fit == results.goodness_of_fit
     assert alone.n_participants is None
     assert alone.groups == {}
 
 
-def test_a_wrong_label_that_everyone_gives_is_warned_of() -> None:
+def test_warning_if_a_wrong_label_is_the_majority() -> None:
     counts = np.full((6, 6), 5)
     counts[:, 0] = [1, 1, 1, 1, 1, 25]
     said = analyze_counts(counts, EMOTIONS, EMOTIONS).warnings
     assert "happiness: the answers are not uniform, but not because it was recognized: most said sadness" in said
 
 
-def test_the_right_label_is_not_called_a_wrong_one() -> None:
+def test_no_warning_if_the_right_label_is_the_majority() -> None:
     counts = np.full((6, 6), 5)
     counts[:, 0] = [5, 5, 5, 0, 0, 0]
     said = analyze_counts(counts, EMOTIONS, EMOTIONS).warnings
@@ -115,7 +115,7 @@ def test_the_right_label_is_not_called_a_wrong_one() -> None:
     assert any(line.startswith(text) for line in said)
 
 
-def test_a_label_without_a_video_is_named_and_no_answer_is_missing() -> None:
+def test_label_without_a_video_is_named_and_not_counted_as_missing() -> None:
     study = responses(TABLE_III)
     labels = (*EMOTIONS, "neutral")
     offered = analyze(Responses(labels, labels, study.answers, study.participants))
@@ -126,7 +126,7 @@ def test_a_label_without_a_video_is_named_and_no_answer_is_missing() -> None:
     assert offered.dependence.cochran_q == without.cochran_q
 
 
-def test_left_out_participants_are_reported() -> None:
+def test_excluded_participants_are_reported() -> None:
     study = responses(TABLE_III)
     dropped = Responses(EMOTIONS, EMOTIONS, study.answers, study.participants, dropped={"preview": 2, "bot": 1})
     assert "participants left out: 2 preview, 1 bot" in analyze(dropped).warnings
@@ -139,7 +139,7 @@ def test_a_missing_answer_is_counted() -> None:
 
 
 def test_all_answers_to_several_videos_of_one_emotion_count_in_every_table() -> None:
-    # Everybody is right about the first anger and the first fear, at positions 1 and 2, and wrong about the others.
+    # All participants are right about the first videos of anger and fear, at positions 1 and 2, and wrong otherwise.
     rows = [
         (f"p{i}", f"{emotion}{take}", emotion, emotion if take == 0 else "sadness", 2 * take + 1 + (i + j) % 2)
         for i in range(8)
@@ -162,7 +162,7 @@ def test_all_answers_to_several_videos_of_one_emotion_count_in_every_table() -> 
     assert any("participants answered several videos of one emotion" in note for note in found.notes)
 
 
-def test_a_group_of_very_many_levels_is_compared_only_where_it_is_asked_for() -> None:
+def test_groups_with_very_many_levels_are_compared_only_on_request() -> None:
     study = responses(TABLE_III)
     aged = study.participants.assign(
         age=[str(20 + i % 13) for i in range(45)], hand=["", *"abcdefghijkl" * 3, *"abcdefgh"]
@@ -176,7 +176,7 @@ def test_a_group_of_very_many_levels_is_compared_only_where_it_is_asked_for() ->
     assert not [line for line in (*asked.warnings, *asked.notes) if "too many" in line]
 
 
-def test_figures_of_groups_have_names_that_any_file_system_takes() -> None:
+def test_figure_names_of_groups_are_valid_on_all_file_systems() -> None:
     study = responses(TABLE_III)
     question = "Geschlecht (m/w/d): " + "wie Sie es nennen? " * 20
     groups = {question: "hand", f"{question}!": "hand", "Hand": "hand", "hand": "hand", "a_b": "hand"}
@@ -186,20 +186,20 @@ def test_figures_of_groups_have_names_that_any_file_system_takes() -> None:
     assert names[2:] == [long, f"{long}-2", "accuracy-Hand", "accuracy-hand-2", "accuracy-a-b"]
 
 
-def test_few_answers_are_warned_of() -> None:
+def test_few_answers_give_warnings() -> None:
     said = analyze(responses(np.eye(6, dtype=int) * 4)).warnings
     assert "fear: 0.7 answers a cell are expected, under 5: use the exact p" in said
     assert "hand: fewer than 5 participants in left, right; read their tests as hints" in said
 
 
-def test_a_group_of_one_is_no_error() -> None:
+def test_group_of_one_participant_is_accepted() -> None:
     study = responses(TABLE_III)
     ages = ["old"] + ["young"] * 44
     lonely = Responses(EMOTIONS, EMOTIONS, study.answers, study.participants.assign(age=ages))
     assert analyze(lonely, by=["age"]).groups["age"]["old"].n_participants == 1
 
 
-def test_an_emotion_without_answers_is_no_error() -> None:
+def test_emotion_without_answers_is_accepted() -> None:
     counts = TABLE_III.copy()
     counts[:, 2] = 0
     found = analyze_counts(counts, EMOTIONS, EMOTIONS)

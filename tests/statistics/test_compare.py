@@ -32,7 +32,7 @@ def test_studies_with_other_videos_are_aligned_by_their_labels() -> None:
 MATRIX = st.lists(st.integers(0, 8), min_size=9, max_size=9).map(lambda cells: np.array(cells).reshape(3, 3))
 
 
-def test_each_video_is_a_table_of_two_studies() -> None:
+def test_each_video_compares_the_two_studies() -> None:
     test = compare(A, B)
     for j, video in enumerate(test.videos):
         expected = chi2_contingency(np.array([A[:, j], B[:, j]]), correction=False)
@@ -44,7 +44,7 @@ def test_each_video_is_a_table_of_two_studies() -> None:
         assert video.p == pytest.approx(rates.pvalue)
 
 
-def test_the_whole_is_their_sum() -> None:
+def test_overall_statistic_is_the_sum_over_videos() -> None:
     test = compare(A, B)
     assert test.statistic == pytest.approx(sum(video.statistic for video in test.videos))
     assert test.dof == 9
@@ -59,7 +59,7 @@ def test_differences_are_replication_less_original() -> None:
     assert (first.rates.ci_low, first.rates.ci_high) == newcombe((14, 29), (26, 45))
 
 
-def test_two_labels_are_fishers_test() -> None:
+def test_comparison_of_two_labels_agrees_with_fisher() -> None:
     a, b = np.array([[8, 1], [2, 9]]), np.array([[3, 3], [7, 5]])
     for j, video in enumerate(compare(a, b, seed=5).videos):
         assert video.p == pytest.approx(fisher_exact([a[:, j], b[:, j]]).pvalue, abs=0.02)
@@ -75,19 +75,19 @@ def test_holm_and_seed() -> None:
     assert compare(A, B, seed=9) == test
 
 
-def test_the_same_study_twice() -> None:
+def test_comparison_of_a_study_with_itself() -> None:
     test = compare(A, A)
     assert (test.statistic, test.p, test.p_monte_carlo) == (0, 1, 1)
     assert all(video.rates.difference == 0 and video.rates.ci_low < 0 < video.rates.ci_high for video in test.videos)
 
 
-def test_another_study() -> None:
+def test_comparison_of_very_different_studies() -> None:
     test = compare(A, np.roll(A, 1, axis=0))
     assert test.p < 1e-6
     assert test.p_monte_carlo == 1 / (DRAWS + 1)
 
 
-def test_a_video_that_one_study_lacks() -> None:
+def test_comparison_without_answers_to_one_video() -> None:
     missing = B.copy()
     missing[:, 1] = 0
     test = compare(A, missing)
@@ -98,7 +98,7 @@ def test_a_video_that_one_study_lacks() -> None:
     assert np.isnan([compare(A * 0, B * 0).p, compare(A * 0, B * 0).p_monte_carlo]).all()
 
 
-def test_other_labels_cannot_be_compared() -> None:
+def test_studies_with_different_labels_are_refused() -> None:
     with pytest.raises(ValueError, match="cannot be compared"):
         compare(A, B[:3])
 

@@ -13,17 +13,17 @@ from emovid.statistics.confusions import mutual_information, near_neighbors, per
 from tests.helpers.known import TABLE_III
 
 
-def test_emotions_go_round_in_the_order_of_the_paper() -> None:
+def test_angles_follow_the_order_of_the_paper() -> None:
     assert sorted(ANGLES, key=lambda emotion: ANGLES[emotion]) == list(EMOTIONS)
 
 
-def test_the_figure_shows_the_angles_that_are_tested() -> None:
+def test_figure_and_test_use_the_same_angles() -> None:
     for emotion, angle in ANGLES.items():
         place = POSITIONS[emotion]
         assert np.degrees(np.arctan2(place.arousal, place.valence)) % 360 == pytest.approx(angle)
 
 
-def test_distance_goes_the_short_way_round() -> None:
+def test_distance_is_the_smaller_angle() -> None:
     between = distances(EMOTIONS)
     assert between[0, 5] == pytest.approx(360 - 199.7)
     assert between[3, 4] == 22
@@ -32,7 +32,7 @@ def test_distance_goes_the_short_way_round() -> None:
     assert between.max() <= 180
 
 
-def test_poles_are_those_of_the_paper() -> None:
+def test_poles_match_the_paper() -> None:
     # Its footnote on valence, after Frijda 1986; arousal is the upper half of Russell's circle.
     assert [emotion for emotion, positive in VALENCE.items() if positive] == ["happiness", "surprise"]
     assert [emotion for emotion, high in AROUSAL.items() if not high] == ["sadness"]
@@ -44,7 +44,7 @@ def test_percent_of_an_empty_column_is_undefined() -> None:
     assert np.isnan(shares[:, 1]).all()
 
 
-def test_confusions_of_the_paper_are_near() -> None:
+def test_confusions_of_the_paper_are_near_neighbors() -> None:
     test = near_neighbors(TABLE_III, EMOTIONS)
     assert test.confusions == 270 - 145
     assert test.mean_distance == pytest.approx(62.279, abs=5e-4)
@@ -54,7 +54,7 @@ def test_confusions_of_the_paper_are_near() -> None:
 
 
 def tables(rows: list[int], columns: list[int]) -> list[np.ndarray]:
-    """Return every table of errors with these margins, by trying every cell."""
+    """Return every table of errors with these margins, by enumeration."""
     k = len(rows)
     free = [(i, j) for i in range(k) for j in range(k) if i != j]
     found = []
@@ -78,7 +78,7 @@ def tables(rows: list[int], columns: list[int]) -> list[np.ndarray]:
     return found
 
 
-def test_near_neighbors_is_every_table_of_the_same_margins() -> None:
+def test_near_neighbors_agrees_with_every_table_of_the_same_margins() -> None:
     errors = np.array([[0, 2, 0, 1], [3, 0, 1, 0], [0, 1, 0, 3], [0, 0, 2, 0]])
     every = tables(errors.sum(axis=1).tolist(), errors.sum(axis=0).tolist())
     weights = np.array([1 / prod(factorial(cell) for cell in table.ravel().tolist()) for table in every])
@@ -91,7 +91,7 @@ def test_near_neighbors_is_every_table_of_the_same_margins() -> None:
     assert p == pytest.approx(expected, abs=4 * np.sqrt(expected / 4 / 4000))
 
 
-def test_many_errors_are_compared_by_the_normal_curve() -> None:
+def test_many_errors_use_the_normal_approximation() -> None:
     rng = np.random.default_rng(3)
     few = rng.integers(5, 15, (6, 6))
     many = near_neighbors(few * 10, EMOTIONS)
@@ -101,20 +101,20 @@ def test_many_errors_are_compared_by_the_normal_curve() -> None:
 
 
 @pytest.mark.parametrize("k", [2, 3])
-def test_two_or_three_labels_cannot_show_nearness(k: int) -> None:
+def test_near_neighbors_cannot_be_tested_with_two_or_three_labels(k: int) -> None:
     test = near_neighbors(TABLE_III[:k, :k], EMOTIONS[:k])
     assert test.confusions > 0
     assert test.mean_distance == pytest.approx(test.expected)
     assert np.isnan(test.p)
 
 
-def test_nobody_was_confused() -> None:
+def test_near_neighbors_without_errors_is_undefined() -> None:
     test = near_neighbors(np.diag([3, 4, 5]), EMOTIONS[:3])
     assert test.confusions == 0
     assert np.isnan([test.mean_distance, test.p]).all()
 
 
-def test_labels_without_a_place_are_left_out() -> None:
+def test_labels_without_a_circumplex_position_are_excluded() -> None:
     counts = np.array([[4, 9, 1], [9, 4, 9], [2, 9, 4], [7, 7, 7]])
     test = near_neighbors(counts, ("fear", "awe", "anger", "none"))
     assert (test.confusions, test.mean_distance) == (3, 17)
@@ -129,7 +129,7 @@ def test_fewer_videos_than_labels() -> None:
 
 @given(st.lists(st.integers(0, 9), min_size=16, max_size=16))
 @settings(max_examples=20, deadline=None)
-def test_right_answers_do_not_enter(cells: list[int]) -> None:
+def test_right_answers_are_ignored(cells: list[int]) -> None:
     counts = np.array(cells).reshape(4, 4)
     more = counts + np.diag([5, 0, 7, 1])
     assert repr(near_neighbors(more, EMOTIONS[:4])) == repr(near_neighbors(counts, EMOTIONS[:4]))
@@ -147,7 +147,7 @@ RESIDUALS = [
 ]
 
 
-def test_residuals_of_the_paper_are_those_of_quasi_independence() -> None:
+def test_residuals_for_the_paper_agree_with_quasi_independence_in_r() -> None:
     expected = np.array(RESIDUALS, dtype=float)
     assert quasi_independence(TABLE_III).residuals == pytest.approx(expected, abs=0.006, nan_ok=True)
 
@@ -159,22 +159,22 @@ def test_quasi_independence_keeps_both_margins_and_has_no_right_answers() -> Non
     assert errors.expected.sum(axis=1) == pytest.approx(wrong.sum(axis=1))
     assert (np.diag(errors.expected) == 0).all()
     odds = errors.expected[0, 2] * errors.expected[1, 3] / (errors.expected[0, 3] * errors.expected[1, 2])
-    assert odds == pytest.approx(1)  # rows and columns say nothing of each other
+    assert odds == pytest.approx(1)  # rows and columns are independent
     assert errors.bias.mean() == pytest.approx(1)
 
 
-def test_residuals_of_too_little() -> None:
+def test_residuals_of_too_small_tables_are_undefined() -> None:
     assert np.isnan(quasi_independence(np.array([[3, 1], [1, 3]])).residuals).all()
     assert np.isnan(quasi_independence(np.zeros((3, 3), dtype=np.int64)).residuals).all()
     assert np.isnan(quasi_independence(np.diag([3, 3, 3])).bias).all()
 
 
-def test_information_of_the_paper() -> None:
+def test_information_of_table_iii() -> None:
     assert mutual_information(TABLE_III) == pytest.approx(0.75, abs=0.005)
 
 
 @pytest.mark.parametrize("k", [2, 6, 8])
-def test_information_of_certainty_and_of_guessing(k: int) -> None:
+def test_information_of_perfect_answers_and_of_guessing(k: int) -> None:
     assert mutual_information(4 * np.eye(k, dtype=int)) == pytest.approx(np.log2(k))
     assert mutual_information(np.full((k, k), 3)) == pytest.approx(0, abs=1e-12)
     assert np.isnan(mutual_information(np.zeros((k, k), dtype=int)))

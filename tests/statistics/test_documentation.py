@@ -1,4 +1,4 @@
-"""docs/statistics.md names tests that exist, and docs/validation.md shows sizes and coverages that hold."""
+"""Tests named in docs/statistics.md exist, and the rates in docs/validation.md are near their nominal values."""
 
 import re
 from pathlib import Path
@@ -11,7 +11,7 @@ VALIDATION = (ROOT / "docs" / "validation.md").read_text(encoding="utf-8")
 ROWS = re.findall(r"^\| (.*?) \| (.*?) \| (0\.\d+) \| (0\.\d+) ± (0\.\d+) \|", VALIDATION, re.MULTILINE)
 
 
-def test_every_test_of_the_table_exists() -> None:
+def test_every_test_file_named_in_the_tables_exists() -> None:
     named = set(re.findall(r"`(test_\w+\.py)`", STATISTICS))
     assert len(named) >= 9
     assert named <= {path.name for path in (ROOT / "tests" / "statistics").iterdir()}
@@ -19,7 +19,7 @@ def test_every_test_of_the_table_exists() -> None:
 
 @pytest.mark.parametrize(("name", "situation", "nominal", "found", "error"), ROWS)
 def test_sizes_and_coverages_hold(name, situation, nominal, found, error) -> None:
-    # Three standard errors, and two points for tests that are not exact.
+    # Three standard errors, plus two percentage points for tests that are not exact.
     slack = 3 * float(error) + 0.02
     if float(nominal) < 0.5:
         assert float(found) <= float(nominal) + slack

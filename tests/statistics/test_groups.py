@@ -26,17 +26,17 @@ N = st.integers(1, 40)
 
 
 def answers(scores: list[int], videos: int = 6) -> Showings:
-    """Return answers to videos (participants, videos) whose first `score` answers are right."""
+    """Return answers (participants, videos) of which the first `score` of each participant are right."""
     right, k = np.arange(videos), max(videos, 2)
     choices = np.array([np.where(right < score, right, (right + 1) % k) for score in scores])
     return Showings(choices, np.full_like(choices, -1), right, tuple(f"v{j}" for j in range(videos)), k, videos)
 
 
-def test_levels() -> None:
+def test_levels_of_a_group() -> None:
     assert levels_of(["b", "a", "", None, float("nan"), "b"]) == ("a", "b")
 
 
-def test_scores_are_every_split() -> None:
+def test_scores_agree_with_all_splits() -> None:
     scores = [6, 5, 5, 4, 3, 2, 1]
     test = scores_differ(answers(scores), ["a", "a", "b", "a", "b", "b", "b"])
     splits = [
@@ -80,7 +80,7 @@ def test_a_group_of_one() -> None:
     assert [np.isnan(pair.bound) for pair in test.pairs] == [False, True, True]
 
 
-def test_many_people_are_drawn() -> None:
+def test_many_people_use_monte_carlo() -> None:
     scores = [3, 4, 2, 5, 3, 4, 1, 2] * 5
     group = ["a", "b"] * 20
     test = scores_differ(answers(scores), group, seed=2)
@@ -90,8 +90,8 @@ def test_many_people_are_drawn() -> None:
     assert test.p == pytest.approx(expected, abs=0.02)
 
 
-def test_scores_that_vary_differently_are_studentized() -> None:
-    # 12 and 48 people of the same mean; the few vary three times as much. Unstudentized, 5 % would reject far oftener.
+def test_scores_of_unequal_variance_are_studentized() -> None:
+    # 12 and 48 people with equal means; the 12 vary three times as much. Without studentization, over 5 % reject.
     rng = np.random.default_rng(8)
     group = ["a"] * 12 + ["b"] * 48
     p = []
@@ -109,7 +109,7 @@ def test_one_group_is_not_compared(group: list) -> None:
     assert all(np.isnan(test.p) and test.pairs == () for test in rates_differ(choices, group))
 
 
-def test_rates_are_fishers() -> None:
+def test_rates_of_two_groups_agree_with_fisher() -> None:
     choices = answers([6, 5, 5, 4, 4, 3, 2, 2, 1, 1, 0, 0])
     group = list("aaaaaabbbbbb")
     tests = rates_differ(choices, group)
@@ -127,7 +127,7 @@ def test_rates_of_three_groups() -> None:
     choices = answers([1] * 5 + [0] * 9 + [1], videos=2)
     group = list("aaaaabbbbbccccc")
     first, second = rates_differ(choices, group, seed=4)
-    # Fisher, Freeman and Halton by hand: tables with six hits in 15 no likelier than (5, 0, 1).
+    # Fisher, Freeman and Halton by hand: tables with six hits in 15 that are at most as likely as (5, 0, 1).
     ways = {
         (a, b, 6 - a - b): comb(5, a) * comb(5, b) * comb(5, 6 - a - b)
         for a in range(6)
@@ -142,9 +142,9 @@ def test_rates_of_three_groups() -> None:
     assert first == rates_differ(choices, group, seed=4)[0]
 
 
-def test_groups_of_one_of_which_one_alone_is_right() -> None:
+def test_groups_of_one_participant_with_one_hit() -> None:
     (test,) = rates_differ(answers([1, *[0] * 7], videos=1), list("abcdefgh"))
-    assert test.p == 1  # it had to be one of them
+    assert test.p == 1  # one of them had to be right
 
 
 def test_a_group_without_answers_to_a_video() -> None:
@@ -183,7 +183,7 @@ def test_rates_bf01_by_integration() -> None:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_means_bf01_is_the_integral_over_the_effect(seed: int) -> None:
+def test_means_bf01_agrees_with_integration(seed: int) -> None:
     rng = np.random.default_rng(seed)
     a, b = rng.normal(0.3 * seed, 1, 12), rng.normal(0, 1, 17)
     t, dof, size = ttest_ind(a, b).statistic, 27, np.sqrt(12 * 17 / 29)
@@ -191,14 +191,14 @@ def test_means_bf01_is_the_integral_over_the_effect(seed: int) -> None:
     assert means_bf01(a, b) == pytest.approx(student.pdf(t, dof) / under, rel=1e-3)
 
 
-def test_bayes_factors_of_the_extreme_stay_finite() -> None:
+def test_bayes_factors_of_extreme_data_are_finite() -> None:
     assert 0 < rates_bf01((100_000, 0), (100_000, 100_000)) < 1e-200
     a = np.repeat([0.0, 0.01], 50_000)
     assert 0 < means_bf01(a, a + 1) < 1e-200
     assert means_bf01(a, a) > 100
 
 
-def test_mean_pair_is_welchs() -> None:
+def test_mean_difference_agrees_with_welch() -> None:
     a, b = np.array([0.2, 0.5, 0.9, 0.4]), np.array([0.3, 0.8, 0.7])
     pair, interval = mean_pair(("a", "b"), a, b), ttest_ind(a, b, equal_var=False).confidence_interval(0.95)
     assert (pair.ci_low, pair.ci_high) == pytest.approx((interval.low, interval.high))
@@ -207,7 +207,7 @@ def test_mean_pair_is_welchs() -> None:
 
 
 @pytest.mark.parametrize("b", [[0.5], [1 / 3, 1 / 3, 1 / 3]])
-def test_means_without_spread_have_no_interval(b: list[float]) -> None:
+def test_means_without_variance_have_no_interval(b: list[float]) -> None:
     pair = mean_pair(("a", "b"), np.full(3, 2 / 3), np.array(b))
     assert pair.difference == pytest.approx(2 / 3 - b[0])
     assert np.isnan([pair.ci_low, pair.ci_high, pair.bound, pair.bf01]).all()
@@ -215,7 +215,7 @@ def test_means_without_spread_have_no_interval(b: list[float]) -> None:
 
 @given(N, N, st.data())
 @settings(max_examples=30)
-def test_any_pair(n: int, m: int, data) -> None:
+def test_rate_pair_is_consistent_and_antisymmetric(n: int, m: int, data) -> None:
     hits = data.draw(st.integers(0, n)), data.draw(st.integers(0, m))
     pair, mirrored = rate_pair(("a", "b"), hits, (n, m)), rate_pair(("b", "a"), hits[::-1], (m, n))
     assert -1 - 1e-9 <= pair.ci_low <= pair.difference + 1e-9
@@ -225,7 +225,7 @@ def test_any_pair(n: int, m: int, data) -> None:
     assert mirrored.bf01 == pytest.approx(pair.bf01)
 
 
-def test_more_people_narrow_the_bound() -> None:
+def test_more_people_give_a_smaller_equivalence_bound() -> None:
     bounds = [rate_pair(("a", "b"), (n // 2, n // 2), (n, n)).bound for n in (10, 40, 160, 640)]
     assert bounds == sorted(bounds, reverse=True)
     assert bounds[-1] == pytest.approx(norm.ppf(0.95) * np.sqrt(0.5 / 640), rel=0.01)
@@ -247,7 +247,7 @@ def test_three_groups_of_very_many_people() -> None:
 
 
 def test_several_answers_to_an_emotion_are_permuted_by_participant() -> None:
-    # Two videos of one emotion, answered alike: twice the answers, and no more evidence.
+    # Equal answers to two videos of one emotion: twice the answers, but no more evidence.
     hits = np.array([1, 1, 1, 1, 0, 0, 1, 0, 0, 0, 0, 0])
     choices = np.column_stack([1 - hits, 1 - hits])
     group = list("aaaaaabbbbbb")
@@ -256,7 +256,7 @@ def test_several_answers_to_an_emotion_are_permuted_by_participant() -> None:
     assert (test.method, test.hits, test.n) == ("permutation", (8, 2), (12, 12))
     splits = np.array([hits[list(one)].sum() for one in combinations(range(12), 6)])
     assert test.p == pytest.approx((abs(splits - 2.5) >= 1.5 - 1e-9).mean())
-    once = rate_pair(("a", "b"), (4, 1), (6, 6), worth=(5, 5))  # one participant less, for the rate
+    once = rate_pair(("a", "b"), (4, 1), (6, 6), worth=(5, 5))  # one degree of freedom less, for the rate
     assert (test.pairs[0].ci_low, test.pairs[0].ci_high) == pytest.approx((once.ci_low, once.ci_high))
     assert np.isnan(test.pairs[0].bf01)
 

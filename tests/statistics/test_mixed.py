@@ -16,7 +16,7 @@ def reference() -> MixedModel:
     return model_of(read_responses([REFERENCE]), ["gender"])
 
 
-def test_the_reference_study_is_that_of_lme4(reference) -> None:
+def test_reference_study_agrees_with_lme4(reference) -> None:
     # R 4.2, lme4: glmer(hit ~ gender + (1 | participant) + (1 | video), family = binomial).
     intercept, gender = reference.effects
     assert (gender.name, gender.estimate, gender.error) == (
@@ -33,15 +33,15 @@ def test_the_reference_study_is_that_of_lme4(reference) -> None:
     assert reference.converged
 
 
-def test_two_groups_are_those_of_lme4() -> None:
+def test_two_groups_agree_with_lme4() -> None:
     found = model_of(read_responses([REFERENCE]), ["gender", "robotics_background"])
     estimates = [(effect.estimate, effect.error) for effect in found.effects]
     expected = [(0.4950, 0.2961), (-0.4703, 0.3007), (-0.0087, 0.2809)]
     assert np.array(estimates) == pytest.approx(np.array(expected), abs=1e-3)
 
 
-def test_without_random_effects_it_is_the_logarithm_of_the_odds_ratio() -> None:
-    # Everybody answers one video, and all alike within a group: no variation is left for random effects.
+def test_without_random_effects_the_estimate_is_the_log_odds_ratio() -> None:
+    # Each participant answers one video, and rates within a group are equal: no variation for random effects.
     hits = np.array([True] * 30 + [False] * 10 + [True] * 10 + [False] * 30)
     people = [f"p{i}" for i in range(80)]
     found = mixed_model(hits, people, ["v"] * 80, {"hand": ["left"] * 40 + ["right"] * 40})
@@ -61,14 +61,14 @@ def test_a_known_effect_is_covered() -> None:
     assert 0.3 < found.participant_sd < 1.2
 
 
-def test_impossible_models_are_refused() -> None:
+def test_invalid_models_are_refused() -> None:
     with pytest.raises(ValueError, match="all answers are right or all are wrong"):
         mixed_model(np.ones(4, dtype=bool), list("aabb"), list("vwvw"), {})
     with pytest.raises(ValueError, match="gender: one level, f; a model compares two or more"):
         mixed_model(np.array([True, False]), list("ab"), list("vv"), {"gender": ["f", "f"]})
 
 
-def test_who_says_nothing_of_a_group_is_left_out() -> None:
+def test_participants_without_a_group_value_are_excluded() -> None:
     found = read_responses([REFERENCE])
     silent = found.participants.assign(gender=["", *found.participants["gender"][1:]])
     without = type(found)(found.signalled, found.labels, found.answers, pd.DataFrame(silent))

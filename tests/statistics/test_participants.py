@@ -20,7 +20,7 @@ from emovid.statistics.participants import (
 from emovid.statistics.recognition import unbiased_hit_rates
 from emovid.statistics.showings import Showings
 
-# Four people whose answers have all the figures of the notes' four-person set, found by search.
+# Four people whose answers have the known unbiased hit rates and accuracy below, found by search.
 FOUR = np.array([[0, 1, 2, 3, 5, 4], [0, 2, 2, 4, 1, 5], [0, 1, 3, 3, 0, 5], [1, 1, 2, 3, 4, 5]])
 CHOICES = st.integers(1, 5).flatmap(
     lambda people: st.lists(st.lists(st.integers(-1, 4), min_size=4, max_size=4), min_size=people, max_size=people).map(
@@ -34,7 +34,7 @@ def counts_of(choices: np.ndarray, k: int) -> np.ndarray:
 
 
 def enumerated_tail(choices: np.ndarray) -> float:
-    """Shuffle the given answers of every participant in every way at once."""
+    """Enumerate all permutations of the answers of all participants together."""
     sets = []
     for row in choices:
         videos = np.flatnonzero(row >= 0)
@@ -43,7 +43,7 @@ def enumerated_tail(choices: np.ndarray) -> float:
     return float((totals >= (choices == np.arange(choices.shape[1])).sum()).mean())
 
 
-def test_the_four_people_are_those_of_the_notes() -> None:
+def test_example_of_four_participants_has_its_known_counts() -> None:
     expected = [0.5625, 0.45, 0.5625, 0.5625, 0.0833, 0.5625]
     assert unbiased_hit_rates(counts_of(FOUR, 6)) == pytest.approx(expected, abs=5e-5)
     assert (np.arange(6) == FOUR).mean() == pytest.approx(0.667, abs=5e-4)
@@ -71,13 +71,13 @@ def test_q_by_hand() -> None:
     assert test.dof == 2
 
 
-def test_missing_answers_leave_kappa_and_q_to_the_complete() -> None:
+def test_kappa_and_q_use_only_complete_participants() -> None:
     more = np.vstack([FOUR, [[0, 1, 2, 3, 4, -1]]])
     assert agreement(more, 6) == agreement(FOUR, 6)
     assert replace(videos_differ(more), total=4) == videos_differ(FOUR)
 
 
-def test_a_label_that_has_no_video_leaves_kappa_and_q_as_they_are() -> None:
+def test_label_without_a_video_does_not_change_kappa_and_q() -> None:
     offered = np.column_stack([FOUR, np.full(4, -1)])
     assert agreement(offered, 7) == agreement(FOUR, 6)
     assert videos_differ(offered) == videos_differ(FOUR)
@@ -91,38 +91,38 @@ def test_one_video_alone_has_no_agreement_and_no_difference() -> None:
 
 
 @pytest.mark.parametrize("choices", [np.empty((0, 3)), np.array([[0, 1, 2]]), np.array([[1, 1, 1], [1, 1, 1]])])
-def test_no_agreement_to_speak_of(choices: np.ndarray) -> None:
+def test_kappa_is_undefined_for_degenerate_data(choices: np.ndarray) -> None:
     assert np.isnan(agreement(choices.astype(np.int64), 3).kappa)
 
 
 @pytest.mark.parametrize("choices", [np.empty((0, 3)), np.array([[0, 1, 2], [1, 2, 0]])])
-def test_nobody_tells_the_videos_apart(choices: np.ndarray) -> None:
+def test_cochran_q_is_undefined_without_informative_participants(choices: np.ndarray) -> None:
     test = videos_differ(choices.astype(np.int64))
     assert np.isnan([test.statistic, test.p]).all()
     assert test.informative == 0
 
 
-def test_hits_of_people_who_give_each_label_once() -> None:
+def test_hit_distribution_if_each_label_is_given_once() -> None:
     null = hit_distribution(((1, 1),) * 6, 6)
     assert null * 720 == pytest.approx([265, 264, 135, 40, 15, 0, 1])  # rencontres numbers
     mean = np.arange(7) @ null
     assert (mean, np.arange(7) ** 2 @ null - mean**2) == pytest.approx((1, 1))
 
 
-def test_one_label_throughout_always_hits_once() -> None:
+def test_constant_answers_always_give_one_hit() -> None:
     assert hit_distribution(((0, 1), (0, 1), (6, 1), (0, 1), (0, 1), (0, 1)), 6) == pytest.approx([0, 1, 0, 0, 0, 0, 0])
     assert total_recognition(np.full((5, 6), 2)).p == pytest.approx(1)
 
 
 @given(CHOICES.filter(lambda choices: len(choices) <= 3))
 @settings(max_examples=60)
-def test_total_recognition_is_every_shuffle(choices: np.ndarray) -> None:
-    # Label 4 is that of no video; -1 is a missing answer.
+def test_total_recognition_agrees_with_every_shuffle(choices: np.ndarray) -> None:
+    # Label 4 belongs to no video; -1 is a missing answer.
     expected = enumerated_tail(choices) if (choices >= 0).any() else np.nan
     assert total_recognition(choices).p == pytest.approx(expected, rel=1e-9, nan_ok=True)
 
 
-def test_many_people_use_the_normal_curve(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_many_people_use_the_normal_approximation(monkeypatch: pytest.MonkeyPatch) -> None:
     rng = np.random.default_rng(2)
     choices = rng.integers(-1, 6, (300, 6))
     choices[:20] = np.arange(6) // 2
@@ -142,7 +142,7 @@ def shown(choices: np.ndarray, k: int) -> Showings:
 
 
 def guesses(people: int, rates: list[float], seed: int, weights: np.ndarray | None = None) -> np.ndarray:
-    """Return choices with wrong answers spread over the other labels by their weights."""
+    """Return choices whose wrong answers are distributed over the other labels by weight."""
     rng, k = np.random.default_rng(seed), len(rates)
     weights = np.ones(k) if weights is None else weights
     columns = []
@@ -153,10 +153,10 @@ def guesses(people: int, rates: list[float], seed: int, weights: np.ndarray | No
     return np.array(columns).T
 
 
-def test_label_use_is_hotellings_test_of_errors() -> None:
+def test_label_use_agrees_with_hotelling_test_of_errors() -> None:
     choices = guesses(40, [0.5, 0.4, 0.6, 0.3], 4)
     test = label_use(shown(choices, 4))
-    # By hand: what each participant gives of each label beyond an even share of their errors; three labels tell all.
+    # By hand: the use of each label by each participant beyond an even share of their errors; three labels suffice.
     beyond = np.array([
         np.sum([np.eye(4)[row[j]] - (np.arange(4) != j) / 3 for j in range(4) if row[j] != j] or [np.zeros(4)], axis=0)
         for row in choices
@@ -169,7 +169,7 @@ def test_label_use_is_hotellings_test_of_errors() -> None:
     assert test.p == pytest.approx(f.sf(test.statistic, 3, n - 3))
 
 
-def test_a_preferred_label_is_found_and_its_bias_told() -> None:
+def test_preferred_label_is_detected_with_its_bias() -> None:
     test = label_use(shown(guesses(300, [0.5] * 5, 1, np.array([4, 1, 1, 1, 1.0])), 5))
     assert test.p < 1e-6
     assert test.bias[0] / test.bias[1:].mean() == pytest.approx(4, rel=0.25)
@@ -177,7 +177,7 @@ def test_a_preferred_label_is_found_and_its_bias_told() -> None:
     assert test.errors[0] == test.errors.max()
 
 
-def test_unequal_recognition_is_no_preference() -> None:
+def test_unequal_recognition_does_not_give_a_label_preference() -> None:
     # 0.05 +- 3 standard errors of 400 tests; the videos are recognized at 90 and 30 %.
     rates = [0.9, 0.9, 0.9, 0.3, 0.3, 0.3]
     rejected = np.mean([label_use(shown(guesses(60, rates, seed), 6)).p < 0.05 for seed in range(400)])
@@ -191,11 +191,11 @@ def test_how_often_labels_are_given() -> None:
     assert test.repeated == pytest.approx([2 / 3, 0, 0])
 
 
-def test_two_labels_leave_no_preference_to_show() -> None:
+def test_label_preference_is_undefined_for_two_labels() -> None:
     assert np.isnan(label_use(shown(np.array([[0, 0], [1, 1], [0, 1], [1, 0]] * 5), 2)).p)
 
 
-def test_none_of_these_is_not_compared() -> None:
+def test_none_is_excluded_from_label_use() -> None:
     choices = guesses(50, [0.5] * 4, 7)
     choices[::3, 0] = 4  # none
     test = label_use(shown(choices, 5), np.array([True] * 4 + [False]))
@@ -206,23 +206,23 @@ def test_none_of_these_is_not_compared() -> None:
 
 
 def tiring(people: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return answers that are right up to the third position and wrong after it."""
+    """Return answers that are right up to the third position and wrong afterward."""
     rng = np.random.default_rng(seed)
     positions = np.array([rng.permutation(6) + 1 for _ in range(people)])
     return np.where(positions <= 3, np.arange(6), (np.arange(6) + 1) % 6), positions
 
 
-def test_order_effect_is_seen() -> None:
+def test_order_effect_is_detected() -> None:
     choices, positions = tiring(20, 1)
     test = order_effect(choices, positions)
     assert test.hits.tolist() == [20, 20, 20, 0, 0, 0]
     assert test.n.tolist() == [20] * 6
-    # Least squares of (1, 1, 1, 0, 0, 0) on 1 to 6, but for the rates of the videos.
+    # Least squares of (1, 1, 1, 0, 0, 0) on 1 to 6, adjusted for the rates of the videos.
     assert test.slope == pytest.approx(-4.5 / 17.5, abs=0.03)
     assert test.p == 1 / (DRAWS + 1)
 
 
-def test_order_effect_is_every_shuffle() -> None:
+def test_order_effect_agrees_with_every_shuffle() -> None:
     choices = np.array([[0, 1, 0], [0, 2, -1], [1, 1, 2]])
     positions = np.array([[1, 2, 3], [3, 1, 2], [3, 1, 2]])
     known = choices >= 0
@@ -249,19 +249,19 @@ def test_order_effect_of_many_people(monkeypatch: pytest.MonkeyPatch) -> None:
     assert large.p == pytest.approx(shuffled.p, abs=0.02)
 
 
-def test_one_order_for_all_tells_nothing() -> None:
+def test_order_effect_is_undefined_if_all_share_one_order() -> None:
     test = order_effect(FOUR, np.tile(np.arange(1, 7), (4, 1)))
     assert np.isnan([test.p, test.slope]).all()
     assert test.n.tolist() == [4] * 6
 
 
-def test_unknown_positions() -> None:
+def test_order_effect_is_undefined_without_positions() -> None:
     test = order_effect(FOUR, np.full((4, 6), -1))
     assert test.n.size == 0
     assert np.isnan(test.p)
 
 
-def test_nobody() -> None:
+def test_results_without_participants_are_undefined() -> None:
     nobody = np.empty((0, 6), dtype=np.int64)
     assert np.isnan(total_recognition(nobody).p)
     assert np.isnan(label_use(shown(nobody, 6)).p)
@@ -270,7 +270,7 @@ def test_nobody() -> None:
 
 @given(CHOICES, st.randoms())
 @settings(max_examples=40)
-def test_people_may_be_reordered(choices: np.ndarray, random) -> None:
+def test_results_do_not_depend_on_participant_order(choices: np.ndarray, random) -> None:
     rows = choices.tolist()
     random.shuffle(rows)
     test = total_recognition(choices)

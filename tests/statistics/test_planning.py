@@ -20,7 +20,7 @@ from emovid.statistics.planning import (
 
 
 def binomial_power(rate: float, n: int, k: int = 6, alpha: float = 0.05) -> float:
-    """Return the exact probability that n answers with the true hit rate `rate` are found above 1 / k."""
+    """Return the exact probability that n answers with true hit rate `rate` are significantly above 1 / k."""
     return float(binom.sf(critical_hits(n, k, alpha) - 1, n, rate))
 
 
@@ -29,14 +29,14 @@ def test_golden_sizes() -> None:
     assert (critical_hits(45), critical_hits(45, alpha=0.05 / 6)) == (13, 15)
 
 
-def test_power_of_the_goodness_of_fit_is_what_it_says() -> None:
+def test_power_of_the_goodness_of_fit_is_exact() -> None:
     # Noncentral chi-squared promises 0.80 for 47 participants; enumeration of the exact test gives 0.716.
     assert goodness_power(0.4, 47, alpha=0.05 / 6) == (pytest.approx(0.716, abs=5e-4), 0)
     assert goodness_power(0.4, 55, alpha=0.05 / 6)[0] == pytest.approx(0.804, abs=5e-4)
     assert n_goodness(0.4, alpha=0.05 / 6)[0] == 55
 
 
-def test_exact_power_is_every_outcome() -> None:
+def test_exact_power_agrees_with_every_outcome() -> None:
     power = 0.0
     for counts in product(range(8), repeat=3):
         if sum(counts) == 7 and exact_p(np.array(counts)) <= 0.1:
@@ -44,7 +44,7 @@ def test_exact_power_is_every_outcome() -> None:
     assert goodness_power(0.6, 7, 3, 0.1)[0] == pytest.approx(power)
 
 
-def test_simulated_power_carries_its_error(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_simulated_power_has_a_standard_error(monkeypatch: pytest.MonkeyPatch) -> None:
     exact, _ = goodness_power(0.35, 60)
     monkeypatch.setattr(planning, "_MOST_EXACT", 0)
     power, error = goodness_power(0.35, 60)
@@ -58,11 +58,11 @@ def test_effect_size_of_a_rate(rate: float, k: int) -> None:
     assert w_of_rate(rate, k) == pytest.approx(np.sqrt(((shares - 1 / k) ** 2 * k).sum()))
 
 
-def test_power_stays_above_from_n_on() -> None:
+def test_power_stays_above_the_target_from_n_on() -> None:
     n = n_binomial(0.5, alpha=0.05 / 6)
     assert binomial_power(0.5, n - 1, alpha=0.05 / 6) < 0.8
     assert all(binomial_power(0.5, more, alpha=0.05 / 6) >= 0.8 for more in range(n, 4 * n))
-    assert binomial_power(0.5, 19, alpha=0.05 / 6) > 0.8  # reached earlier, but not for good
+    assert binomial_power(0.5, 19, alpha=0.05 / 6) > 0.8  # reached earlier, but not for all larger n
 
 
 def test_power_by_simulation() -> None:
@@ -72,7 +72,7 @@ def test_power_by_simulation() -> None:
     assert binomial_power(0.4, 30, alpha=0.01) == pytest.approx(expected, abs=0.015)
 
 
-def test_a_plan_for_both_tests() -> None:
+def test_plan_for_both_tests() -> None:
     found = plan(0.4)
     assert found.alpha == pytest.approx(0.05 / 6)
     assert found.n == max(found.n_goodness, found.n_binomial)
@@ -83,20 +83,20 @@ def test_a_plan_for_both_tests() -> None:
     assert found.goodness_error == 0
 
 
-def test_a_rate_too_near_to_chance() -> None:
+def test_plan_refuses_a_rate_too_near_to_chance() -> None:
     found = plan(0.168)
     assert (found.n_goodness, found.n_binomial, found.critical_hits, found.n) == (None, None, None, None)
     assert binomial_power(0.168, MOST_PARTICIPANTS, alpha=0.05 / 6) < 0.8
 
 
 @pytest.mark.parametrize("rate", [1 / 6, 0.1, 1.01, -1])
-def test_a_rate_that_is_not_above_chance(rate: float) -> None:
+def test_plan_refuses_a_rate_at_or_below_chance(rate: float) -> None:
     with pytest.raises(ValueError, match="not above the chance"):
         plan(rate)
 
 
 @pytest.mark.parametrize("wrong", [{"alpha": 0}, {"alpha": 1}, {"power": 1}, {"power": 0}])
-def test_impossible_wishes(wrong: dict[str, float]) -> None:
+def test_invalid_plan_parameters_are_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(ValueError, match="between 0 and 1"):
         plan(0.5, **wrong)
 
@@ -116,6 +116,6 @@ def test_critical_hits_are_those_of_the_test(n: int, k: int, alpha: float) -> No
 
 @given(st.floats(0.2, 0.9), st.integers(2, 60))
 @settings(max_examples=40, deadline=None)
-def test_stricter_is_weaker(rate: float, n: int) -> None:
+def test_smaller_alpha_gives_lower_power(rate: float, n: int) -> None:
     assert binomial_power(rate, n, alpha=0.01) <= binomial_power(rate, n, alpha=0.05)
     assert goodness_power(rate, n, alpha=0.01)[0] <= goodness_power(rate, n, alpha=0.05)[0] + 1e-12

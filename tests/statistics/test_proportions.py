@@ -27,7 +27,7 @@ TWO = st.tuples(st.integers(1, 40), st.integers(1, 40)).flatmap(
 
 @given(P)
 @settings(max_examples=40)
-def test_holm_is_that_of_statsmodels(p: np.ndarray) -> None:
+def test_holm_agrees_with_statsmodels(p: np.ndarray) -> None:
     assert holm(p) == pytest.approx(multipletests(p, method="holm")[1])
 
 
@@ -39,7 +39,7 @@ def test_holm_leaves_out_what_is_undefined() -> None:
 
 @given(TWO)
 @settings(max_examples=40)
-def test_intervals_are_those_of_statsmodels(two) -> None:
+def test_intervals_agree_with_statsmodels(two) -> None:
     n, hits = two
     expected = proportion_confint(hits[0], n[0], method="wilson")
     assert wilson(hits[0], n[0]) == pytest.approx(expected, abs=1e-12)
@@ -49,7 +49,7 @@ def test_intervals_are_those_of_statsmodels(two) -> None:
 
 @given(TWO)
 @settings(max_examples=40)
-def test_fisher_is_that_of_scipy(two) -> None:
+def test_fisher_agrees_with_scipy(two) -> None:
     n, hits = two
     p = fisher_exact(hits, n)
     if sum(hits) in (0, sum(n)):
@@ -59,27 +59,27 @@ def test_fisher_is_that_of_scipy(two) -> None:
 
 
 @pytest.mark.parametrize(("hits", "n", "chance"), [(0, 5, 0.2), (5, 5, 0.2), (18, 45, 1 / 6), (3, 10, 0.5)])
-def test_binomial_is_that_of_scipy(hits: int, n: int, chance: float) -> None:
+def test_binomial_agrees_with_scipy(hits: int, n: int, chance: float) -> None:
     assert binomial_tail(hits, n, chance) == pytest.approx(binomtest(hits, n, chance, alternative="greater").pvalue)
 
 
-def test_effective_numbers_fall_between_whole_ones() -> None:
+def test_binomial_tail_interpolates_between_whole_hits() -> None:
     assert binomial_tail(5, 10, 0.3) > binomial_tail(5.5, 10, 0.3) > binomial_tail(6, 10, 0.3)
 
 
-def test_effective_n() -> None:
+def test_effective_n_by_hand() -> None:
     ones = np.ones(20, dtype=np.int64)
     hits = np.repeat([1, 0], [12, 8])
     assert effective_n(hits, ones) == 20  # one answer each
     assert effective_n(3 * hits, 3 * ones) == pytest.approx(
         19
-    )  # answers that agree are worth one, less one for the rate
-    assert effective_n(3 * ones, 3 * ones) == 20  # nobody misses: at most one each
-    assert effective_n(ones, 2 * ones) == 40  # more even than chance: never more than there are
+    )  # equal answers count as one, minus one degree of freedom for the rate
+    assert effective_n(3 * ones, 3 * ones) == 20  # no misses: at most one each
+    assert effective_n(ones, 2 * ones) == 40  # more even than chance: never more than the number of answers
     assert effective_n(np.array([2, 0]), np.array([3, 0])) == 1
 
 
-def test_effective_n_is_the_variance_of_the_rate() -> None:
+def test_effective_n_agrees_with_the_variance_of_the_rate() -> None:
     # Beta-binomial hits: of m answers with correlation rho, m / (1 + (m - 1) rho) count.
     rng, m, rho = np.random.default_rng(1), 4, 0.3
     a, b = 0.5 * (1 / rho - 1), 0.5 * (1 / rho - 1)
@@ -94,7 +94,7 @@ def test_replication_bayes_factor_by_integration() -> None:
     assert replication_bf((18, 45), (3, 20), 1 / 6) < 1
 
 
-def test_bayes_factor_of_equal_shares_is_that_of_the_dirichlet_multinomial() -> None:
+def test_bayes_factor_of_equal_shares_agrees_with_the_dirichlet_multinomial() -> None:
     counts = np.array([7, 2, 4, 0])
     equal = dirichlet_multinomial.pmf(counts, np.full(4, 1e9), 13)
     assert uniform_bf10(counts) == pytest.approx(dirichlet_multinomial.pmf(counts, np.ones(4), 13) / equal, rel=1e-5)

@@ -26,7 +26,7 @@ from tests.helpers.known import TABLE_III
 MATRIX = st.lists(st.lists(st.integers(0, 9), min_size=4, max_size=4), min_size=4, max_size=5).map(np.array)
 
 
-def test_majorities_of_the_paper() -> None:
+def test_majority_verdicts_match_the_paper() -> None:
     found = recognize(TABLE_III)
     relative = {"fear", "disgust"}
     assert [r.verdict for r in found] == [
@@ -43,7 +43,7 @@ def test_golden_numbers() -> None:
     assert (test.ci_low, test.ci_high) == pytest.approx((0.309, 0.588), abs=5e-4)
 
 
-def test_the_binomial_sum_by_hand() -> None:
+def test_binomial_tail_by_hand() -> None:
     (test, *_) = recognize(np.array([[3, 0], [1, 0], [1, 0]]))
     tail = sum(comb(5, h) * 2 ** (5 - h) for h in (3, 4, 5)) / 3**5
     assert test.p_binomial == pytest.approx(tail)
@@ -55,7 +55,7 @@ def test_holm_by_hand() -> None:
     assert left_out == pytest.approx([0.02, 1.0, 0.03])
 
 
-def test_alpha_decides_after_holm() -> None:
+def test_above_chance_uses_alpha_after_holm() -> None:
     # 4 of 8 against 1 / 4 has p = 0.114; 5 of 8 has p = 0.027, twice that after Holm.
     counts = np.array([[5, 2], [1, 4], [1, 1], [1, 1]])
     first, second = recognize(counts)
@@ -65,7 +65,7 @@ def test_alpha_decides_after_holm() -> None:
     assert second.p_holm == pytest.approx(second.p_binomial)
 
 
-def test_a_video_nobody_saw() -> None:
+def test_video_without_answers() -> None:
     seen, unseen = recognize(np.array([[4, 0], [1, 0]]))
     assert (unseen.hits, unseen.n) == (0, 0)
     assert np.isnan([unseen.p_binomial, unseen.p_holm, unseen.p_verdict]).all()
@@ -89,13 +89,13 @@ def test_verdict(column: list[int], expected: str) -> None:
     assert verdict(np.array(column), 0) == expected
 
 
-def test_wagners_vector() -> None:
+def test_wagner_example_of_unbiased_hit_rates() -> None:
     # The example of stats.stackexchange 156774 has the signalled emotion in rows.
     counts = np.array([[4, 1, 0, 1], [0, 3, 2, 1], [0, 0, 6, 0], [2, 0, 0, 4]]).T
     assert unbiased_hit_rates(counts) == pytest.approx([0.444, 0.375, 0.750, 0.444], abs=5e-4)
 
 
-def test_a_label_never_given_has_no_unbiased_rate() -> None:
+def test_unused_label_has_no_unbiased_rate() -> None:
     rates = unbiased_hit_rates(np.array([[0, 0], [3, 4]]))
     assert np.isnan(rates[0])
     assert rates[1] == pytest.approx(4**2 / (7 * 4))
@@ -109,7 +109,7 @@ def intervals_of(choices: np.ndarray, k: int, seed: int = 0) -> np.ndarray:
     return unbiased_hit_intervals(showings, resampled_counts(showings, seed))
 
 
-def test_bootstrap_interval_covers_and_repeats() -> None:
+def test_bootstrap_interval_contains_the_estimate_and_is_reproducible() -> None:
     rng = np.random.default_rng(5)
     columns = [rng.permutation(np.repeat(np.arange(6), TABLE_III[:, j])) for j in range(6)]
     choices = np.array(columns).T
@@ -120,7 +120,7 @@ def test_bootstrap_interval_covers_and_repeats() -> None:
     assert (intervals != intervals_of(choices, 6, seed=2)).any()
 
 
-def test_bootstrap_against_resampling_people_one_by_one() -> None:
+def test_bootstrap_agrees_with_resampling_people_one_by_one() -> None:
     rng = np.random.default_rng(8)
     choices = np.where(rng.random((30, 3)) < 0.6, np.arange(3), rng.integers(-1, 3, (30, 3)))
     samples = []
@@ -132,15 +132,15 @@ def test_bootstrap_against_resampling_people_one_by_one() -> None:
     assert intervals_of(choices, 3) == pytest.approx(expected, abs=0.03)
 
 
-def test_bootstrap_where_nothing_is_defined() -> None:
+def test_bootstrap_of_undefined_rates() -> None:
     intervals = intervals_of(np.array([[1, 1], [1, -1]]), 2)
     assert np.isnan(intervals[0]).all()
     assert np.isfinite(intervals[1]).all()
     assert np.isnan(intervals_of(np.empty((0, 2), dtype=np.int64), 2)).all()
 
 
-def test_answers_that_are_all_right_are_no_certainty() -> None:
-    # Twenty of twenty: Wilson's 95 % interval of the rate ends at 0.84, and so does that of the label's precision.
+def test_interval_of_perfect_answers_does_not_collapse() -> None:
+    # Twenty of twenty: Wilson's 95 % interval of the rate ends at 0.84, and so does that of the precision of the label.
     intervals = intervals_of(np.tile(np.arange(3), (20, 1)), 3)
     assert intervals == pytest.approx(np.tile([wilson(20, 20)[0] ** 2, 1], (3, 1)))
     assert intervals[0, 0] == pytest.approx(0.704, abs=5e-4)
@@ -153,7 +153,7 @@ def test_wagners_chance_level() -> None:
     assert recognize(TABLE_III)[3].hu_chance == pytest.approx(unbiased_chance(TABLE_III)[3])
 
 
-def test_bayes_of_the_paper() -> None:
+def test_bayes_factor_and_credible_interval_for_the_paper() -> None:
     fear = recognize(TABLE_III)[3]
     assert fear.bf10 == pytest.approx(1304, abs=0.5)
     assert (fear.bayes_low, fear.bayes_high) == pytest.approx(beta.ppf([0.025, 0.975], 1 + 18, 5 + 27))
@@ -162,12 +162,12 @@ def test_bayes_of_the_paper() -> None:
 def test_a_majority_is_tested() -> None:
     found = recognize(TABLE_III)
     assert found[0].p_verdict == pytest.approx(binomtest(29, 45, 0.5, alternative="greater").pvalue)
-    # Fear: 18 against 12 for disgust, which came next.
+    # Fear: 18 against 12 for the second most frequent label, disgust.
     assert found[3].p_verdict == pytest.approx(binomtest(18, 30, 0.5, alternative="greater").pvalue)
     assert np.isnan(recognize(np.array([[1, 0], [3, 0], [0, 1]]))[0].p_verdict)
 
 
-def test_several_answers_of_a_participant_are_every_permutation_of_labels() -> None:
+def test_several_answers_test_agrees_with_every_permutation_of_labels() -> None:
     used = [np.array([[2, 0, 0], [1, 1, 0], [0, 1, 1], [1, 0, 1]])]
     (test,) = recognize(used[0].sum(axis=0)[:, None], uses=used)
     every = [list(permutations(row)) for row in used[0].tolist()]
@@ -177,14 +177,14 @@ def test_several_answers_of_a_participant_are_every_permutation_of_labels() -> N
     assert np.isnan([test.bf10, test.bayes_low]).all()
 
 
-def test_one_answer_of_each_participant_is_the_binomial_test() -> None:
+def test_one_answer_per_participant_gives_the_binomial_test() -> None:
     answers = [0] * 9 + [1] * 5 + [2] * 4
     used = [np.array([np.bincount([answer], minlength=3) for answer in answers])]
     (test,) = recognize(used[0].sum(axis=0)[:, None], uses=used)
     assert repr(test) == repr(recognize(used[0].sum(axis=0)[:, None])[0])
 
 
-def test_repeating_an_answer_is_no_evidence() -> None:
+def test_repeated_answers_add_no_evidence() -> None:
     used = np.array([np.bincount([answer], minlength=3) for answer in [0] * 9 + [1] * 5 + [2] * 4])
     (once,) = recognize(used.sum(axis=0)[:, None], uses=[used])
     (twice,) = recognize(2 * used.sum(axis=0)[:, None], uses=[2 * used])
@@ -193,7 +193,7 @@ def test_repeating_an_answer_is_no_evidence() -> None:
     assert twice.p_verdict == pytest.approx(once.p_verdict, abs=0.03)
 
 
-def test_accuracy_counts_participants_as_a_whole() -> None:
+def test_accuracy_treats_participants_as_units() -> None:
     counts = np.diag([10, 10]) + np.array([[0, 5], [5, 0]])
     known = accuracy(counts, hits=np.array([2] * 10 + [0] * 5), n=np.full(15, 2))
     assert (known.rate, known.participants) == (pytest.approx(2 / 3), 15)
@@ -224,7 +224,7 @@ def test_arousal_of_table_iii() -> None:
     assert found.videos["sadness"].hits == 29
 
 
-def test_none_of_these_is_a_miss_and_strange_labels_have_no_pole() -> None:
+def test_none_counts_as_a_miss_and_unknown_labels_have_no_pole() -> None:
     found = collapse(np.array([[2, 1], [1, 2], [3, 3]]), ("happiness", "awe", "none"), VALENCE)
     assert list(found.videos) == ["happiness"]
     assert (found.videos["happiness"].hits, found.videos["happiness"].n) == (2, 6)
@@ -241,7 +241,7 @@ def test_poles_are_the_halves_of_the_circle() -> None:
 
 @given(MATRIX)
 @settings(max_examples=30)
-def test_any_matrix(counts: np.ndarray) -> None:
+def test_results_are_in_range_for_any_matrix(counts: np.ndarray) -> None:
     for test in recognize(counts):
         assert np.isnan(test.p_binomial) if not test.n else 0 <= test.p_binomial <= test.p_holm <= 1
         assert 0 <= test.ci_low <= test.ci_high <= 1
@@ -250,7 +250,7 @@ def test_any_matrix(counts: np.ndarray) -> None:
 
 @given(st.integers(1, 60), st.data())
 @settings(max_examples=25)
-def test_more_hits_are_stronger(n: int, data) -> None:
+def test_more_hits_give_smaller_p(n: int, data) -> None:
     hits = data.draw(st.integers(0, n - 1))
     fewer, more = (recognize(np.array([[h], [n - h], [0]]))[0] for h in (hits, hits + 1))
     assert more.p_binomial < fewer.p_binomial

@@ -1,4 +1,4 @@
-"""One test for each published claim about the study: the reconstructed answers by scipy and pandas, not by our code."""
+"""One test for each published claim about the study, by scipy and pandas from the reconstructed answers."""
 
 import subprocess
 import sys
@@ -51,7 +51,7 @@ def group(answers: pd.DataFrame, column: str, level: str) -> pd.DataFrame:
     return answers[answers[column] == level]
 
 
-def test_the_file_is_a_plain_table_of_45_participants_and_six_videos_each(answers) -> None:
+def test_file_has_45_participants_with_six_videos_each(answers) -> None:
     assert list(answers) == ["participant", "video", "response", "gender", "robotics_background", "age"]
     assert len(answers) == 270
     assert answers.groupby("participant")["video"].apply(sorted).tolist() == [sorted(EMOTIONS)] * 45
@@ -60,12 +60,12 @@ def test_the_file_is_a_plain_table_of_45_participants_and_six_videos_each(answer
     assert (groups == 1).all(axis=None)
 
 
-def test_percentages_are_those_of_table_iii(answers) -> None:
+def test_percentages_match_table_iii(answers) -> None:
     percent = table(answers) / 45 * 100
     assert percent.round(2).to_numpy().tolist() == TABLE_III
 
 
-def test_counts_are_the_published_ones(answers) -> None:
+def test_counts_match_the_publication(answers) -> None:
     published = pd.read_csv(STUDY / "counts.csv", index_col="perceived")
     assert published.equals(table(answers).rename_axis(index="perceived", columns=None))
 
@@ -94,7 +94,7 @@ def test_relative_majority_of_40_percent_for_fear_and_disgust(answers) -> None:
         assert counts.index[counts[emotion] == counts[emotion].max()].tolist() == [emotion]
 
 
-def test_all_emotions_are_recognised_above_chance(answers) -> None:
+def test_all_emotions_are_recognized_above_chance(answers) -> None:
     assert (accuracy(answers) > CHANCE).all()
 
 
@@ -104,10 +104,10 @@ def test_chi_squared_of_each_video(answers) -> None:
     assert (result.pvalue < 0.0001).all()
 
 
-def test_confusions_fall_mostly_on_neighbours_on_the_circumplex(answers) -> None:
+def test_confusions_are_mostly_with_circumplex_neighbors(answers) -> None:
     wrong = answers[answers["response"] != answers["video"]]
     steps = (wrong["response"].map(EMOTIONS.index) - wrong["video"].map(EMOTIONS.index)) % 6
-    assert steps.isin([1, 5]).mean() > 0.5  # 0.4 if wrong answers fell anywhere alike
+    assert steps.isin([1, 5]).mean() > 0.5  # 0.4 if wrong answers were uniform
 
 
 @pytest.mark.parametrize("background", ["yes", "no"])
@@ -160,7 +160,7 @@ def test_male_answers_differ_from_chance_at_p_below_005_but_not_all_at_001(answe
     assert (p_values(male) >= 0.01).any()
 
 
-def test_the_script_makes_the_file_byte_for_byte(tmp_path) -> None:
+def test_script_reproduces_the_file_exactly(tmp_path) -> None:
     made = tmp_path / "responses.csv"
     subprocess.run([sys.executable, "-W", "error", STUDY / "reconstruct.py", made], check=True)
     assert made.read_bytes() == (STUDY / "responses.csv").read_bytes()

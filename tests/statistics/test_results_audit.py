@@ -1,4 +1,4 @@
-"""Data of a statistical audit, with the right values: from R 4.2, from full enumeration, or by construction."""
+"""Data of a statistical audit with known values: from R 4.2, full enumeration, or construction."""
 
 from pathlib import Path
 
@@ -53,7 +53,7 @@ def test_each_video_has_its_own_results(exemplars) -> None:
     assert "permutation test that keeps each participant" in page
 
 
-def test_all_311_answers_enter_the_test_of_the_whole() -> None:
+def test_overall_test_uses_all_311_answers() -> None:
     found = analyzed("repeated", "key.csv")
     assert found.dependence.total_recognition.n == found.accuracy.n == found.n_responses == 311
     assert sum(found.dependence.order.n) == 311
@@ -61,7 +61,7 @@ def test_all_311_answers_enter_the_test_of_the_whole() -> None:
     assert sum(video.recognition.n for video in found.videos.values()) == 311
 
 
-def test_unequal_recognition_is_no_preference() -> None:
+def test_unequal_recognition_is_not_a_label_preference() -> None:
     # By construction: errors are uniform; 0.9 and 0.3 are recognized. The former test had chi-squared 69.58, p < .001.
     use = analyzed("no_preference_unequal_recognition").dependence.label_use
     assert use.p > 0.05
@@ -69,30 +69,30 @@ def test_unequal_recognition_is_no_preference() -> None:
     assert use.totals[:3].min() >= 2 * use.totals[3:].max()
 
 
-def test_a_difference_of_zero_is_no_finding() -> None:
+def test_difference_of_zero_is_not_reported_as_a_finding() -> None:
     (a, _, _), (b, _, _) = (read_matrix(AUDIT / f"compare_{name}.csv") for name in "ab")
     happiness = compare(a, b).videos[0]
     assert happiness.rates.difference == 0
     assert (happiness.p, happiness.p_holm) == (1, 1)
-    assert happiness.p_answers_holm < 0.001  # its errors differ, and that is another test
+    assert happiness.p_answers_holm < 0.001  # its errors differ, which is a different test
 
 
 @pytest.mark.parametrize(
     ("name", "labels"), [("two_labels", ["happiness", "sadness"]), ("three", ["happiness", "sadness", "anger"])]
 )
-def test_two_or_three_labels_cannot_show_near_neighbors(name, labels) -> None:
+def test_near_neighbors_is_undefined_for_two_or_three_labels(name, labels) -> None:
     near = analyzed(name, labels=labels).near_neighbours
     assert np.isnan(near.p)
     assert apa.sentence(near).endswith("cannot be tested: the margins fix the distance")
 
 
-def test_one_participant_is_no_test_of_videos() -> None:
+def test_one_participant_gives_no_test_of_videos() -> None:
     q = analyzed("unequal").dependence.cochran_q
     assert (q.informative, q.total) == (1, 40)
     assert np.isnan(q.p)
 
 
-def test_twenty_right_answers_of_twenty_are_no_certainty() -> None:
+def test_interval_of_twenty_right_answers_does_not_collapse() -> None:
     found = analyzed("perfect")
     for test in found.recognition.values():
         assert (test.hu, test.hu_high) == (1, 1)
