@@ -6,7 +6,7 @@ do not pair (PsychoPy writes such files), go row by row through `_lenient_rows`.
 
 import codecs
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from io import BytesIO
@@ -92,6 +92,25 @@ class Table:
     def row(self, number: int) -> list[str]:
         """Return one row below the header, or [] if there is none."""
         return [str(cell) for cell in self.cells.iloc[number]] if number < len(self.cells) else []
+
+
+def coded(column: "pd.Series[str]") -> tuple[NDArray[np.intp], list[str]]:
+    """Return the place of each cell's text among the different texts of a column, and these texts."""
+    codes, words = pd.factorize(column)
+    return codes, np.asarray(words, dtype=object).tolist()
+
+
+def translated(column: "pd.Series[str]", translate: Callable[[str], str]) -> "pd.Series[str]":
+    """Return a column with each text translated; a text that occurs in many cells is translated once."""
+    codes, words = coded(column)
+    texts = pd.array([translate(word) for word in words], dtype="str")
+    return pd.Series(texts.take(codes) if words else [], index=column.index, dtype="str")
+
+
+def cells_that(column: "pd.Series[str]", test: Callable[[str], bool]) -> "pd.Series[bool]":
+    """Return the cells (True) of a column whose text passes a test; each different text is tested once."""
+    codes, words = coded(column)
+    return pd.Series(np.array([test(word) for word in words], dtype=bool)[codes], index=column.index)
 
 
 def read_bytes(path: Path) -> bytes:
@@ -270,7 +289,7 @@ def _fast(text: bytes, delimiter: str, file: str, above: int, rows: _Rows) -> Ta
     frame = _parsed(text, delimiter, width, rows, regular, file)
     lines = rows.lines[regular] + above
     names = [str(cell) for cell in frame.iloc[0]]
-    others = [i for i in filled if i > header and not regular[i]]
+    others = filled[(filled > header) & ~regular[filled]]
     chunks = ((int(rows.lines[i]) + above, text[rows.starts[i] : rows.stops[i]].decode()) for i in others)
     pairs = ((line, cells) for line, chunk in chunks for _, cells in _lenient_rows(chunk, delimiter, width))
     extra, rejected = _split_ragged(pairs, width, file)
@@ -332,7 +351,7 @@ def _finished(
     file: str, names: list[str], frame: pd.DataFrame, lines: NDArray[np.int64], rejected: list[Rejected]
 ) -> Table:
     """Return the table with stripped cells, without blank rows and without unnamed empty columns."""
-    stripped = {i: _stripped(frame[i]) for i in frame.columns}
+    stripped = {i: translated(frame[i], str.strip) for i in frame.columns}
     filled = {i: (column != "").to_numpy(dtype=bool) for i, column in stripped.items()}
     kept = [i for i, name in enumerate(names) if name.strip() or filled[i].any()]
     cells = pd.DataFrame({place: stripped[i] for place, i in enumerate(kept)})
@@ -342,12 +361,6 @@ def _finished(
     table = Table(file, titles, titles, cells.reset_index(drop=True), lines, tuple(rejected))
     any_filled = np.logical_or.reduce([filled[i] for i in kept])
     return table if any_filled.all() else table.rows(any_filled)
-
-
-def _stripped(column: "pd.Series[str]") -> "pd.Series[str]":
-    codes, words = pd.factorize(column)
-    cleaned = np.array([str(word).strip() for word in words], dtype=object)
-    return pd.Series(cleaned[codes] if len(cleaned) else [], index=column.index, dtype="str")
 
 
 def _lenient_rows(text: str, delimiter: str, width: int = 0) -> Iterator[_Row]:

@@ -17,6 +17,17 @@ def csv_text(head: Sequence[str], rows: Iterable[Iterable[object]]) -> str:
     return text.getvalue()
 
 
+def csv_of_columns(head: Sequence[str], columns: Iterable[Iterable[object]]) -> str:
+    """Return columns of few different cells as CSV text, each different cell made safe once."""
+    return csv_text(head, zip(*map(_safe_column, columns), strict=True))
+
+
+def _safe_column(cells: Iterable[object]) -> list[str]:
+    texts = list(map(str, cells))
+    known = {text: safe(text) for text in set(texts)}
+    return [known[text] for text in texts]
+
+
 def safe(cell: object) -> str:
     """Return a cell's text, with an apostrophe before what a spreadsheet would take for a formula."""
     text = str(cell)

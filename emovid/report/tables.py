@@ -9,7 +9,7 @@ from math import isnan
 
 import numpy as np
 
-from emovid.csv_writer import csv_text
+from emovid.csv_writer import csv_of_columns, csv_text
 from emovid.latex import latex_text
 from emovid.report.results_json import results_json
 from emovid.responses.responses import Responses
@@ -68,8 +68,8 @@ def tidy_csv(responses: Responses) -> str:
     groups = responses.participants.rename(columns=lambda name: f"{name} (group)" if name in taken else name)
     table = responses.answers.merge(groups, left_on="participant", right_index=True, how="left")
     table = table.assign(correct=(table["signalled"] == table["perceived"]).astype(int))
-    rows = table.astype(object).where(table.notna(), "").itertuples(index=False, name=None)
-    return csv_text(list(map(str, table.columns)), rows)
+    cells = (table[name].astype(object).where(table[name].notna(), "") for name in table)
+    return csv_of_columns(list(map(str, table.columns)), cells)
 
 
 def test_rows(results: StudyResults) -> list[list[str]]:

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from emovid.csv_reader import Rejected
+from emovid.csv_reader import Rejected, coded
 from emovid.errors import SourceError
 from emovid.responses.labels import NONE, Labels, plain
 from emovid.responses.parsed_export import Known
@@ -27,7 +27,7 @@ class ValidAnswers:
     """Answers after validation.
 
     Attributes:
-        frame: answers that count: `COLUMNS`, `file` and `line`.
+        frame: answers that count: those of `COLUMNS`, `file` and `line`.
         rejected: answers that do not, in the order of the rows.
         synonyms: texts that count as a label that they do not spell.
         unusable: participants with answers of which none can be used, for another reason than a missing answer.
@@ -69,12 +69,10 @@ def valid_answers(answers: pd.DataFrame, known: Known, files: Sequence[str]) -> 
     if known.mapping.repeats != "all":
         _give(reasons, _repeated(answers, people, codes, valid, known, files), _repeat_reason(known))
     kept = reasons == ""
-    words = {"participant": answers["participant"], "video": codes, "signalled": emotions, "perceived": labels}
-    frame = pd.DataFrame({name: pd.Series(np.asarray(column)[kept], dtype="str") for name, column in words.items()})
-    frame["position"] = answers["position"][kept].astype("Int64").to_numpy()
-    frame["file"] = answers["file"][kept].to_numpy()
-    frame["line"] = answers["line"][kept].to_numpy()
-    frame["position"] = frame["position"].astype("Int64")
+    frame = answers.loc[kept, ["participant", "position", "file", "line"]].reset_index(drop=True)
+    frame = frame.astype({"participant": "str", "position": "Int64"})
+    for name, words in (("video", codes), ("signalled", emotions), ("perceived", labels)):
+        frame[name] = _column(words[kept])
     synonyms = _synonyms(answers["answer"][kept], frame["perceived"], known.labels)
     faulty = set(answers["participant"][(reasons != "") & (reasons != NO_ANSWER)].unique()) - {""}
     unusable = frozenset(map(str, faulty - set(frame["participant"].unique())))
@@ -118,7 +116,7 @@ def _repeat_reason(known: Known) -> str:
 
 def _is_python_none(texts: "pd.Series[str]", labels: Labels) -> Mask:
     """Return the answers None (True) that a program wrote for a missing value: all other answers are in lower case."""
-    words = [str(text).strip() for text in texts.unique()]
+    words = [text.strip() for text in coded(texts)[1]]
     if "None" not in words or labels.offers_none or labels.is_declared("None"):
         return np.zeros(len(texts), dtype=bool)
     others = [word for word in words if word != "None" and labels.is_label(word) and word[:1].isalpha()]
@@ -129,25 +127,30 @@ def _is_python_none(texts: "pd.Series[str]", labels: Labels) -> Mask:
 
 def _synonyms(texts: "pd.Series[str]", labels: "pd.Series[str]", known: Labels) -> tuple[Synonym, ...]:
     """Return the texts that are not the label that they count as, in the order of labels and counts."""
-    places, words = pd.factorize(texts)
+    places, words = coded(texts)
     firsts = pd.Series(labels.to_numpy()).groupby(places).first()
     counts = np.bincount(places, minlength=len(words))
     order = (*known.signalled, NONE)
     found = [
-        Synonym(str(word), str(firsts[i]), int(counts[i]), known.is_declared(str(word)))
+        Synonym(word, str(firsts[i]), int(counts[i]), known.is_declared(word))
         for i, word in enumerate(words)
-        if plain(str(word)) != plain(str(firsts[i]))
+        if plain(word) != plain(str(firsts[i]))
     ]
     return tuple(sorted(found, key=lambda one: (order.index(one.label), -one.count, one.text)))
 
 
 def _translated(column: "pd.Series[str]", translate: Callable[[str], tuple[str, str | None]]) -> tuple[Texts, Texts]:
     """Return the two words that each text of a column is translated to; every text is translated once."""
-    places, texts = pd.factorize(column)
-    pairs = [translate(str(text)) for text in texts]
+    places, texts = coded(column)
+    pairs = [translate(text) for text in texts]
     firsts, seconds = np.full(len(pairs), None, dtype=object), np.full(len(pairs), None, dtype=object)
     firsts[:], seconds[:] = [pair[0] for pair in pairs], [pair[1] for pair in pairs]
     return firsts[places], seconds[places]
+
+
+def _column(words: Texts) -> "pd.Series[str]":
+    places, different = pd.factorize(words)
+    return pd.Series(pd.array(different, dtype="str").take(places) if len(different) else [], dtype="str")
 
 
 def _place(names: "pd.Index[str]", name: str) -> int:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pandas as pd
 
-from emovid.csv_reader import Table
+from emovid.csv_reader import Table, cells_that, coded
 from emovid.responses.columns import is_counted
 from emovid.responses.exclusions import FALSE, TRUE
 from emovid.responses.labels import number, plain
@@ -52,11 +52,11 @@ def _is_choice(table: Table, options: Mapping[int, str]) -> bool:
 
 
 def _is_ticks(cells: Column) -> bool:
-    return {plain(number(str(cell))) for cell in cells.unique()} <= _TICKED | _EMPTY
+    return all(plain(number(cell)) in _TICKED | _EMPTY for cell in coded(cells)[1])
 
 
 def _is_ticked(cells: Column) -> Column:
-    return cells.isin([cell for cell in cells.unique() if plain(number(str(cell))) in _TICKED])
+    return cells_that(cells, lambda cell: plain(number(cell)) in _TICKED)
 
 
 def _option(name: str, known: Known) -> tuple[str, str] | None:

@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from emovid.csv_reader import Table
+from emovid.csv_reader import Table, coded, translated
 from emovid.errors import SourceError, nearest, quoted
 from emovid.responses.labels import NONE, plain
 from emovid.responses.parsed_export import Column, Known
@@ -231,8 +231,8 @@ class _Evidence:
 
     @classmethod
     def of(cls, table: Table, known: Known, video: int, person: int | None) -> "_Evidence":
-        places, texts = pd.factorize(table.cells[video])
-        codes = [known.code(str(text)) if not known.codes or known.emotion(str(text)) else "" for text in texts]
+        places, texts = coded(table.cells[video])
+        codes = [known.code(text) if not known.codes or known.emotion(text) else "" for text in texts]
         names = tuple(dict.fromkeys(filter(None, codes)))
         index = {name: i for i, name in enumerate(names)}
         videos = np.array([index.get(code, -1) for code in codes], dtype=np.int64)[places]
@@ -388,11 +388,13 @@ def _is_shared_twice(table: Table, places: Sequence[int]) -> bool:
 
 def _different(table: Table, places: Sequence[int], meaning: Callable[[str], str]) -> list[int]:
     """Return the columns without those that mean the same as an earlier one in every row that both fill."""
+    if len(places) < 2:
+        return list(places)
     kept: list[int] = []
     meanings: dict[int, Column] = {}
     for place in places:
         cells = table.cells[place]
-        meanings[place] = cells.map({text: meaning(str(text)) for text in cells.unique()})
+        meanings[place] = translated(cells, meaning)
         if not any(_agree(meanings[place], meanings[other]) for other in kept):
             kept.append(place)
     return kept
@@ -404,9 +406,9 @@ def _agree(first: Column, second: Column) -> bool:
 
 
 def _meanings(cells: Column, known: Known) -> Codes:
-    places, texts = pd.factorize(cells)
+    places, texts = coded(cells)
     order = {label: i for i, label in enumerate((*known.labels.signalled, NONE))}
-    return np.array([order.get(known.labels.find(str(text)) or "", -1) for text in texts], dtype=np.int64)[places]
+    return np.array([order.get(known.labels.find(text) or "", -1) for text in texts], dtype=np.int64)[places]
 
 
 def _is_coded(table: Table, place: int, known: Known) -> bool:

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from emovid.csv_reader import Table, joined_table
+from emovid.csv_reader import Table, coded, joined_table
 from emovid.errors import SourceError, quoted
 from emovid.responses.choice_columns import with_choices
 from emovid.responses.columns import column, holds_answers, label_columns, video_column
@@ -127,7 +127,7 @@ def _roles(table: Table, known: Known, raw: ParsedExport | None) -> Mapping[str,
 
 def _column(table: Table, place: int, roles: Mapping[str, str], evidence: Mapping[str, str]) -> ColumnDescription:
     cells = table.cells[place]
-    examples = tuple(quoted(str(cell), 30)[1:-1] for cell in cells[cells != ""].unique()[:_EXAMPLES])
+    examples = tuple(quoted(cell, 30)[1:-1] for cell in list(filter(None, coded(cells)[1]))[:_EXAMPLES])
     name, text = table.names[place], table.texts[place]
     role = roles.get(name, "")
     return ColumnDescription(name, "" if text == name else text, role, evidence.get(name, ""), examples)
@@ -139,7 +139,7 @@ def _map(
     """Return a map.yaml with what was found; texts of answers that are not labels are listed to be given one."""
     places = [place for place, c in enumerate(columns) if c.role.startswith("answer")]
     answers = [table.cells[place] for place in places] if raw is None else [raw.answers["answer"]]
-    words = sorted({number(str(word)) for cells in answers for word in cells.unique() if word})
+    words = sorted({number(word) for cells in answers for word in coded(cells)[1] if word})
     unknown = [word for word in words if known.labels.find(word) is None][:_MOST_CODES]
     text = map_text(_named(columns, known), _videos(known, columns), _groups(table, known, raw), unknown)
     return f"# To decide: {' '.join(problem.split())}\n{text}" if problem else text

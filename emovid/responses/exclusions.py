@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from emovid.csv_reader import Table
+from emovid.csv_reader import Table, cells_that
 from emovid.errors import SourceError, quoted
 from emovid.responses.columns import column
 from emovid.responses.labels import number, plain
@@ -74,8 +74,7 @@ def says(table: Table, words: Collection[str], *names: str) -> Column:
     place = column(table, *names)
     if place is None:
         return pd.Series(False, index=table.cells.index)
-    cells = table.cells[place]
-    return cells.isin([word for word in cells.unique() if plain(number(str(word))) in words])
+    return cells_that(table.cells[place], lambda text: plain(number(text)) in words)
 
 
 def below(table: Table, bound: float, *names: str) -> Column:
@@ -139,7 +138,7 @@ def _rows_of_map(table: Table, known: Known) -> Iterator[tuple[str, Mask]]:
 
 def _has(cells: Column, values: Collection[str]) -> Mask:
     wanted = {number(value).casefold() for value in values}
-    return cells.isin([cell for cell in cells.unique() if number(str(cell)).casefold() in wanted]).to_numpy(dtype=bool)
+    return cells_that(cells, lambda cell: number(cell).casefold() in wanted).to_numpy()
 
 
 def _parts(table: Table, place: int, people: NDArray[np.int64]) -> Iterator[tuple[str, Mask]]:
@@ -149,16 +148,15 @@ def _parts(table: Table, place: int, people: NDArray[np.int64]) -> Iterator[tupl
     as a question about participants, does not vary within them.
     """
     name, cells = plain(table.names[place]), table.cells[place]
-    texts = cells.unique()
     for reason, pattern in _FLAGS.items():
         if pattern.fullmatch(name):
-            mask = cells.isin([text for text in texts if plain(number(str(text))) in TRUE]).to_numpy(dtype=bool)
+            mask = cells_that(cells, lambda text: plain(number(text)) in TRUE).to_numpy()
             if mask.any() and _varies(mask, people):
                 yield reason, mask
     if not set(name.split()) & _PARTS:
         return
     for reason, is_marked in (("attention check", _is_check), ("practice", is_practice)):
-        mask = cells.isin([text for text in texts if is_marked(str(text))]).to_numpy(dtype=bool)
+        mask = cells_that(cells, is_marked).to_numpy()
         if mask.any() and _varies(mask, people):
             yield reason, mask
 

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from emovid.csv_reader import Rejected, Table
+from emovid.csv_reader import Rejected, Table, coded
 from emovid.responses.key import code_of, code_within
 from emovid.responses.labels import NONE, Labels, number, plain
 from emovid.responses.mapping import ExportMap
@@ -168,8 +168,8 @@ def places_in_order(ids: Column, videos: Column, numbers: Column) -> Column:
 
 def whole_numbers(column: Column) -> Column:
     """Return the whole number (Int64) at the start of each text, missing if there is none."""
-    codes, words = pd.factorize(column)
-    plain_words = pd.Series([number(str(word)) for word in words], dtype="str")
+    codes, words = coded(column)
+    plain_words = pd.Series([number(word) for word in words], dtype="str")
     starts = plain_words.str.extract(r"^(\d{1,9})(?![^_.\s])", expand=False)
     values = pd.array([int(word) if isinstance(word, str) else pd.NA for word in starts], dtype="Int64")
     return pd.Series(values.take(codes), index=column.index)
@@ -179,8 +179,8 @@ def ranks(ids: Column, order: Column) -> Column:
     """Return the rank (Int64, from 1) of each row among its participant's, by `order`: numbers, or times as text."""
     values = numeric(order).to_numpy(dtype=float)
     if np.isnan(values[order != ""]).any():  # numbers within text, such as 9_0 and 10_0 of a block, sort as numbers
-        codes, words = pd.factorize(order)
-        keys = [_by_numbers(str(word)) for word in words]
+        codes, words = coded(order)
+        keys = [_by_numbers(word) for word in words]
         values = np.argsort(sorted(range(len(keys)), key=keys.__getitem__))[codes].astype(float)
         values[order == ""] = np.nan
     return _ranked(ids, values)
@@ -199,8 +199,3 @@ def _ranked(ids: Column, values: NDArray[np.float64]) -> Column:
 def numeric(column: Column) -> Column:
     """Return the numbers (float) in cells, with decimal points or commas, NaN for other text."""
     return pd.to_numeric(column.str.replace(",", "."), errors="coerce").astype(float)
-
-
-def translated(cells: Column, translate: Map[str, str]) -> Column:
-    """Return a column with each text replaced by its translation."""
-    return cells.map(translate).astype("str")

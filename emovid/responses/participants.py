@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from emovid.csv_reader import Table
+from emovid.csv_reader import Table, cells_that, coded
 from emovid.errors import SourceError, quoted
 from emovid.responses.columns import POSITION, TRUTH, column, is_named, named
 from emovid.responses.exclusions import Mask, dropped_by_map
@@ -124,9 +124,8 @@ def _by_file(table: Table, known: Known, note: str = "") -> People:
 
 def _check_ids(table: Table, place: int) -> None:
     cells = table.cells[place]
-    words = [word for word in cells.unique() if _DAMAGED.fullmatch(str(word))]
-    if words:
-        damaged = cells.isin(words).to_numpy(dtype=bool)
+    damaged = cells_that(cells, lambda text: bool(_DAMAGED.fullmatch(text))).to_numpy()
+    if damaged.any():
         line = int(table.lines[damaged][0])
         message = (
             f"{quoted(str(cells[damaged].iloc[0]))} in {int(damaged.sum())} rows: a spreadsheet has shortened the ids; "
@@ -349,8 +348,8 @@ def _is_constant(codes: NDArray[np.intp], cells: Column) -> bool:
 def _first(codes: NDArray[np.intp], people: int, cells: Column) -> list[str]:
     """Return the first value of each participant that is not empty, otherwise ""."""
     filled = (cells != "").to_numpy(dtype=bool)
-    values, words = pd.factorize(cells[filled])
+    values, words = coded(cells[filled])
     found = np.full(people, len(words))
     found[codes[filled][::-1]] = values[::-1]  # a later assignment overwrites an earlier one: the first row stays
-    texts = [*(number(str(word)) for word in words), ""]
+    texts = [*map(number, words), ""]
     return [texts[i] for i in found]

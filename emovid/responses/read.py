@@ -227,8 +227,8 @@ def _participants(
 ) -> pd.DataFrame:
     """Return the groups of each participant who has an answer; the others are counted as dropped."""
     people = pd.Index(answers["participant"].unique(), name="participant", dtype="str")
-    all_people = set(together["participant"].unique()) - {""}
-    without = len(all_people - set(people))
+    given = together["participant"]
+    without = given[given != ""].nunique() - len(people)
     if without:
         dropped["no usable answer"] += without
     frame = pd.DataFrame(index=people)

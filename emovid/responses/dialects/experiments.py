@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import pandas as pd
 
-from emovid.csv_reader import Table
+from emovid.csv_reader import Table, cells_that, translated
 from emovid.responses.columns import Format, column
 from emovid.responses.dialects.jspsych import without_word
 from emovid.responses.dialects.tables import read_long
@@ -144,8 +144,7 @@ def _eprime_marks(table: Table) -> Marks:
     practice = pd.Series(False, index=table.cells.index)
     for place, name in enumerate(table.names):
         if name.startswith(("Procedure", "Running")):
-            cells = table.cells[place]
-            practice |= cells.isin([cell for cell in cells.unique() if is_practice(str(cell))])
+            practice |= cells_that(table.cells[place], is_practice)
     return Marks(rows={"practice": practice})
 
 
@@ -303,7 +302,7 @@ def _stated_by_revisit(table: Table, known: Known) -> Mapping[str, str]:
         return {}
     trials = table.cells[table.names.index("trialId")]
     pairs = pd.DataFrame(
-        {"trial": trials, "truth": table.cells[place].map(lambda cell: known.labels.find(str(cell)) or "")}
+        {"trial": trials, "truth": translated(table.cells[place], lambda cell: known.labels.find(cell) or "")}
     )
     pairs = pairs[pairs["truth"] != ""].drop_duplicates()
     return {} if pairs["trial"].duplicated().any() else {known.code(t): e for t, e in pairs.to_numpy().tolist()}
@@ -312,7 +311,7 @@ def _stated_by_revisit(table: Table, known: Known) -> Mapping[str, str]:
 def _asks_for_label(table: Table, known: Known, recognized: Column) -> Column:
     """Return the rows of those responses to a video that ask for a label and not, say, for a confidence."""
     names, cells = (table.cells[table.names.index(name)] for name in ("responseId", "answer"))
-    labels = cells.isin([word for word in cells.unique() if known.labels.is_label(word)])
+    labels = cells_that(cells, known.labels.is_label)
     labelled = names[recognized & labels].unique()
     return recognized & names.isin(labelled) if len(labelled) else recognized
 

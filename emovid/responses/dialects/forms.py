@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pandas as pd
 
-from emovid.csv_reader import Table
+from emovid.csv_reader import Table, coded
 from emovid.errors import SourceError
 from emovid.responses.dialects.tables import read_wide
 from emovid.responses.exclusions import Marks, says
@@ -120,7 +120,7 @@ def _questions(names: tuple[str, ...]) -> list[list[int]]:
 
 
 def _repeats(table: Table, place: int) -> bool:
-    return set(table.cells[place].unique()) <= {"", table.texts[place]}
+    return set(coded(table.cells[place])[1]) <= {"", table.texts[place]}
 
 
 def _ticked(columns: list[Column]) -> Column:

@@ -8,12 +8,12 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
-from emovid.csv_reader import Table, table_of, utf8
+from emovid.csv_reader import Table, table_of, translated, utf8
 from emovid.errors import SourceError
 from emovid.responses.columns import Format
 from emovid.responses.dialects.tables import read_long
 from emovid.responses.exclusions import Marks, says
-from emovid.responses.parsed_export import Column, Known, ParsedExport, translated
+from emovid.responses.parsed_export import Column, Known, ParsedExport
 from emovid.responses.participants import PARTICIPANT, groups_of_pairs, joined, who
 
 _VIDEO_TRIALS = ("video button response", "video keyboard response", "video slider response")
@@ -42,8 +42,7 @@ def read(table: Table, known: Known) -> ParsedExport:
         if name in table.names:
             place = table.names.index(name)
             pairs += asked(people.ids, table.cells[place], known)
-            cells = table.cells[place]
-            table = table.replaced(place, translated(cells, {cell: only_value(str(cell)) for cell in cells.unique()}))
+            table = table.replaced(place, translated(table.cells[place], only_value))
     form = Format(("video_code", "video", "stimulus"), _PRESSED, ("trial_index",), is_tool=_TOOL.__contains__)
     raw = read_long(table, known, form, lambda _: Marks(), _shows_video, by_file=True)
     return replace(raw, participants=joined(raw.participants, groups_of_pairs(pairs)))

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import pandas as pd
 
-from emovid.csv_reader import Table, table_of
+from emovid.csv_reader import Table, cells_that, table_of, translated
 from emovid.responses.columns import Format, holds_videos
 from emovid.responses.dialects.tables import read_long
 from emovid.responses.exclusions import Marks, is_practice
@@ -80,7 +80,7 @@ def _video_of_trial(table: Table, known: Known, submission: Column) -> Column:
     """Return the video of each trial: the only one that an event of the trial names."""
     trials = submission + " " + _cells(table, *_ITEM)
     named = pd.concat([_cells(table, _NAME), _cells(table, _VALUE)]).reset_index(drop=True)
-    codes = named.map({text: known.code(str(text)) if known.emotion(str(text)) else "" for text in named.unique()})
+    codes = translated(named, lambda text: known.code(text) if known.emotion(text) else "")
     pairs = pd.DataFrame({"trial": pd.concat([trials, trials]).to_numpy(), "code": codes})
     if not known.codes:  # the names of answers are emotions, too: elements that are videos alone tell
         is_video = (_cells(table, _ELEMENT) == "Video").to_numpy()
@@ -88,15 +88,13 @@ def _video_of_trial(table: Table, known: Known, submission: Column) -> Column:
     pairs = pairs[pairs["code"] != ""].drop_duplicates()
     pairs = pairs[~pairs["trial"].duplicated(keep=False)]
     videos = dict(zip(pairs["trial"], pairs["code"], strict=True))
-    return trials.map({trial: videos.get(trial, "") for trial in trials.unique()}).astype("str")
+    return translated(trials, lambda trial: videos.get(trial, ""))
 
 
 def _is_choice(table: Table, known: Known, recognized: Column) -> Column:
     """Return the events in trials with a video whose value is a label."""
-    values = _cells(table, _VALUE)
-    return recognized & values.isin([value for value in values.unique() if known.labels.is_label(str(value))])
+    return recognized & cells_that(_cells(table, _VALUE), known.labels.is_label)
 
 
 def _marks(table: Table) -> Marks:
-    labels = _cells(table, *_LABEL)
-    return Marks(rows={"practice": labels.isin([label for label in labels.unique() if is_practice(str(label))])})
+    return Marks(rows={"practice": cells_that(_cells(table, *_LABEL), is_practice)})

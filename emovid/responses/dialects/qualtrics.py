@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pandas as pd
 
-from emovid.csv_reader import Table
+from emovid.csv_reader import Table, coded
 from emovid.errors import SourceError
 from emovid.responses.dialects.tables import code_in, read_wide, video_columns
 from emovid.responses.exclusions import FALSE, Marks, below, says
@@ -86,7 +86,7 @@ def _with_positions(raw: ParsedExport, table: Table, known: Known) -> ParsedExpo
         if name.endswith("_DO"):
             if name.removesuffix("_DO") in questions:
                 continue
-            orders = {cell: [_code(part, loops, known) for part in cell.split("|")] for cell in cells.unique()}
+            orders = {cell: [_code(part, loops, known) for part in cell.split("|")] for cell in coded(cells)[1]}
             for code in videos.values():
                 ranks = {cell: order.index(code) + 1 for cell, order in orders.items() if code in order}
                 if ranks:

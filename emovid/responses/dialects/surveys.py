@@ -3,7 +3,7 @@
 import re
 from dataclasses import replace
 
-from emovid.csv_reader import Table
+from emovid.csv_reader import Table, cells_that
 from emovid.responses.columns import column
 from emovid.responses.dialects.tables import read_wide, video_columns
 from emovid.responses.exclusions import TRUE, Marks, says
@@ -120,6 +120,9 @@ _REDCAP = (
 )  # fmt: skip
 
 
+_REDCAP_INCOMPLETE = ("0", "1", "incomplete", "unverified")
+
+
 def recognizes_redcap(table: Table, _: Known) -> bool:
     """Return whether a table has the columns of REDCap's raw export, or of its export of labels."""
     names = set(table.names)
@@ -131,8 +134,7 @@ def read_redcap(table: Table, known: Known) -> ParsedExport:
     """Read one row for each record; records whose answers belong to an unfinished instrument are left out."""
     partial = says(table, (), "record_id")
     for place in _instruments(table, known):
-        states = {state: plain(str(state)) for state in table.cells[place].unique()}
-        partial |= table.cells[place].map(states).isin(["0", "1", "incomplete", "unverified"])
+        partial |= cells_that(table.cells[place], lambda state: plain(state) in _REDCAP_INCOMPLETE)
     stamps = [name for name in table.names if name.endswith("_timestamp") or name == "Survey Timestamp"]
     for name in stamps:
         partial |= table.cells[table.names.index(name)] == "[not completed]"

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from emovid.csv_reader import Rejected, Table
+from emovid.csv_reader import Rejected, Table, cells_that, coded, translated
 from emovid.errors import SourceError, quoted
 from emovid.responses.columns import (
     POSITION,
@@ -179,14 +179,12 @@ def _needed_video(table: Table, known: Known, form: Format) -> int:
 
 
 def _recognized(table: Table, known: Known, video: int) -> Column:
-    cells = table.cells[video]
-    return cells.isin([word for word in cells.unique() if known.emotion(str(word))])
+    return cells_that(table.cells[video], lambda text: bool(known.emotion(text)))
 
 
 def codes_of_rows(table: Table, known: Known, video: int) -> Column:
     """Return the code of the video of each row, "" where there is none."""
-    cells = table.cells[video]
-    return cells.map({cell: known.code(str(cell)) if cell else "" for cell in cells.unique()})
+    return translated(table.cells[video], lambda text: known.code(text) if text else "")
 
 
 def _with(before: People, found: People) -> People:
@@ -287,8 +285,8 @@ def _check_not_truth(table: Table, known: Known, videos: Mapping[int, str]) -> N
         return
     wrong = cells = 0
     for place, code in videos.items():
-        labels = table.cells[place].map({text: known.labels.find(str(text)) for text in table.cells[place].unique()})
-        filled = labels.notna() & (labels != "")
+        labels = translated(table.cells[place], lambda text: known.labels.find(text) or "")
+        filled = labels != ""
         wrong += int((labels[filled] != known.codes[code]).sum())
         cells += int(filled.sum())
     if wrong == 0 and cells >= 3 * len(videos):
@@ -362,8 +360,8 @@ def _chosen(table: Table, known: Known, code: str, places: list[int]) -> int | N
 
 def _is_true_emotion(table: Table, known: Known, code: str, place: int) -> bool:
     """Return whether all cells of a column are the true emotion of a video."""
-    texts = [str(text) for text in table.cells[place].unique() if text]
-    return {known.labels.find(text) for text in texts} == {known.codes.get(code)}
+    texts = coded(table.cells[place])[1]
+    return {known.labels.find(text) for text in texts if text} == {known.codes.get(code)}
 
 
 def _alike(table: Table, known: Known, skip: Sequence[int | None]) -> list[int]:
