@@ -15,7 +15,7 @@ from functools import cache
 from pathlib import Path
 from typing import IO
 
-from emovid.errors import EmovidError, reason
+from emovid.errors import EmovidError, InputError, reason
 
 _SUFFIX = ".part"
 _FORMER = f".former{_SUFFIX}"
@@ -32,6 +32,7 @@ _REMEDIES = {
     errno.EACCES: "choose another folder",
     errno.EPERM: "choose another folder",
     errno.ENOENT: "is its folder still there?",
+    errno.ENAMETOOLONG: "choose a shorter name",
 }
 
 
@@ -177,7 +178,8 @@ def cause(number: int) -> str:
 
 def not_written(target: Path, error: OSError, how: str = "written") -> EmovidError:
     """Return the error of a file that cannot be written: the file, the reason and the remedy."""
-    return EmovidError(f"{target}: cannot be {how}: {cause(error.errno) if error.errno else reason(error)}")
+    kind = InputError if error.errno == errno.ENAMETOOLONG else EmovidError
+    return kind(f"{target}: cannot be {how}: {cause(error.errno) if error.errno else reason(error)}")
 
 
 def _part_beside(target: Path) -> Path:
@@ -185,6 +187,12 @@ def _part_beside(target: Path) -> Path:
     stem = f".{target.name}."
     _clear(target.parent.glob(f"{glob.escape(stem)}*{_SUFFIX}"))
     part = target.with_name(f"{stem}{owner()}{_SUFFIX}")
+    try:
+        part.lstat()
+    except FileNotFoundError:
+        return part
+    except OSError as error:  # such as a name that is too long
+        raise not_written(target, error) from None
     _remove(part)
     return part
 

@@ -1,6 +1,8 @@
 """Models of YAML files: groups of keys that pydantic validates, and one-line messages from its errors."""
 
+import json
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from types import NoneType
 from typing import Any, Literal, get_args, get_origin
 
@@ -8,9 +10,10 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
-from emovid.errors import SourceError, nearest
+from emovid.errors import InputError, SourceError, nearest, reason
 from emovid.yaml_source import KeyPath, Places, key_path, place_of
 
+_EDITOR_LINE = "# yaml-language-server: $schema="
 _BOUNDS = {
     "greater_than": ("gt", "more than"),
     "greater_than_equal": ("ge", "at least"),
@@ -205,3 +208,31 @@ def _models_in(annotation: Any) -> list[type[BaseModel]]:
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
     return [model for argument in get_args(annotation) for model in _models_in(argument)]
+
+
+def with_schema(text: str, file: Path, schema: Mapping[str, Any]) -> dict[Path, bytes]:
+    """Return the contents of a YAML file and, beside it, of its schema, which a first line names to editors.
+
+    Args:
+        text: of the file.
+        file: to write.
+        schema: JSON Schema of its keys; its title, as in "emovid scene", gives the name emovid-scene.schema.json.
+
+    Raises:
+        InputError: if another program wrote a file of that name.
+    """
+    title = schema["title"]
+    target = file.with_name(f"{title.replace(' ', '-')}.schema.json")
+    try:
+        known = json.loads(target.read_bytes()) if target.exists() else {"title": title}
+    except OSError as error:
+        raise InputError(f"{target}: cannot be read: {reason(error)}") from None
+    except ValueError:
+        known = None
+    if not isinstance(known, dict) or known.get("title") != title:
+        raise InputError(f"{target}: was not written by emovid; move it, or choose another folder")
+    lines = text.removeprefix("\ufeff").splitlines(keepends=True)
+    if lines and lines[0].startswith(_EDITOR_LINE):
+        lines = lines[1:]
+    lines = [f"{_EDITOR_LINE}{target.name}\n", *lines]
+    return {target: f"{json.dumps(schema, indent=2)}\n".encode(), file: "".join(lines).encode()}

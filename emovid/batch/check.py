@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from emovid.atomic_io import file_digest
 from emovid.batch.job import Job, Record, descriptors_digest, make
 from emovid.batch.manifest import NAME, PLAN, Records, has_journals, read_manifest
-from emovid.batch.results import TABLE, same_parquet, table_of
+from emovid.batch.results import PARQUET, TABLE, same_parquet, table_of
 from emovid.batch.scheduler import OnStep, Pool, run
 from emovid.batch.sweep import Items
 from emovid.batch.sweep_file import read_sweep
@@ -197,9 +197,8 @@ def _table_findings(folder: Path, items: Items, records: Records) -> list[Findin
         there = {n: name for n, name in some.items() if not records[name].has_file or (folder / name).exists()}
         tables += [table_of(items, names, records) for names in (there, some)]
     expected = [(TABLE, [table.csv for table in tables])]
-    parquet = Path(TABLE).with_suffix(".parquet").name
-    if find_spec("pyarrow") and (known or (folder / parquet).exists()):
-        expected.append((parquet, [table.parquet for table in tables]))
+    if find_spec("pyarrow") and (known or (folder / PARQUET).exists()):
+        expected.append((PARQUET, [table.parquet for table in tables]))
     return [_table_finding(folder, name, contents) for name, contents in expected]
 
 

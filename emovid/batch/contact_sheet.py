@@ -25,6 +25,7 @@ from emovid.video.frame_reader import read_last_frame
 from emovid.video.painter import Painter
 
 NAME = "contact-sheet.png"
+_SUBJECT = "emovid sweep"  # in the metadata of the picture
 MAX_SIDE = 200  # pictures in a row or a column
 _WIDE, _NARROW, _PAGE = 480, 150, 2150  # pixels: largest and smallest picture, preferred width of all columns
 _ONE_ROW = 8  # pictures
@@ -61,8 +62,13 @@ def write_contact_sheet(
             return
         grid = _pictures(folder, names, records, threads, wide, high)
         with writing(target) as file:
-            file.write(encoded(_figure(grid, rows, columns, wrapped=wrapped), "png"))
+            file.write(encoded(_figure(grid, rows, columns, wrapped=wrapped), "png", _SUBJECT))
         journal.add(NAME, replace(record, sha256=file_digest(target)))
+
+
+def is_contact_sheet(data: bytes) -> bool:
+    """Return whether a file is a contact sheet that `write_contact_sheet` made."""
+    return _SUBJECT.encode() in data
 
 
 def _pictures(

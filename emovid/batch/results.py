@@ -18,6 +18,7 @@ from emovid.batch.versions import versions
 from emovid.csv_writer import csv_text
 
 TABLE = "results.csv"
+PARQUET = "results.parquet"
 _FACTS = ("frames", "samples", "trajectory_sha256", "frames_crc32", "sha256")
 
 
@@ -81,7 +82,18 @@ def write_table(folder: Path, table: Table) -> None:
     """Write `results.csv`, and `results.parquet` if pyarrow is installed."""
     replace_if_changed(folder / TABLE, table.csv)
     if find_spec("pyarrow"):
-        replace_if_changed((folder / TABLE).with_suffix(".parquet"), table.parquet)
+        replace_if_changed(folder / PARQUET, table.parquet)
+
+
+def is_parquet_of_sweep(data: bytes) -> bool:
+    """Return whether a file is a `results.parquet` that `write_table` wrote; a damaged file counts as one."""
+    if not find_spec("pyarrow"):
+        return True  # the file is not replaced then
+    pa, parquet = import_module("pyarrow"), import_module("pyarrow.parquet")
+    try:
+        return bool(parquet.read_schema(io.BytesIO(data)).names[:2] == ["item", "name"])
+    except (pa.ArrowException, OSError):
+        return True
 
 
 def same_parquet(one: bytes, other: bytes) -> bool:

@@ -10,7 +10,7 @@ import typer
 from rich import box
 from rich.table import Table
 
-from emovid.cli.options import Json, Quiet, RandomSeed, refuse_beside
+from emovid.cli.options import Json, Quiet, RandomSeed, output_folder, refuse_beside
 from emovid.cli.terminal import show_table
 from emovid.errors import InputError
 from emovid.report import apa
@@ -88,8 +88,7 @@ def analyze(
     """
     if bool(sources) == bool(counts):
         raise InputError("expected exports to analyze, or --counts and a confusion matrix")
-    if output.exists() and not output.is_dir():
-        raise InputError(f"-o {output}: is a file; expected a folder")
+    output_folder(output)
     if counts:
         refuse_beside("--counts", {"--key": key, "--map": mapping, "--by": by, "--labels": labels, "--margin": margin})
         analysis = analyze_matrix(counts, seed)

@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from emovid.cli import completion
-from emovid.cli.options import Force, Json, Quiet
+from emovid.cli.options import Force, Json, Quiet, output_folder
 from emovid.cli.terminal import counting, show_table
 from emovid.kit.audit import Audit
 from emovid.kit.audit import audit as audit_kit
@@ -43,7 +43,7 @@ def new(
 
     Example: emovid study new my-study/
     """
-    file = start_study(folder)
+    file = start_study(output_folder(folder, given=str(folder)))
     if not quiet:
         typer.echo(f"{file}: the paper's study; edit it, then run emovid study build {folder} -o kit/", err=True)
 
@@ -69,6 +69,7 @@ def build(
 
     Examples: emovid study build my-study/ -o kit/ · emovid study build my-study/ -o kit/ --participants 60
     """
+    output_folder(output)
     loaded = load_study(study)
     orders = participants or loaded.study.participants
     with counting("frames", quiet=quiet) as watch:
@@ -176,6 +177,7 @@ def export(
     check: Annotated[
         bool, typer.Option("--check", help="Only print what the tool can do with this kit; exit with 1 if too little.")
     ] = False,
+    force: Force = False,
     quiet: Quiet = False,
 ) -> None:
     """Export a kit to a survey tool, as a data set or a draft.
@@ -188,7 +190,9 @@ def export(
         parts = check_export(open_kit(kit), to)
         _show_parts(parts)
         raise typer.Exit(0 if is_possible(parts) else 1)
-    written = export_kit(open_kit(kit), to, output, video_url, responses or [], mapping)
+    if output:
+        output_folder(output)
+    written = export_kit(open_kit(kit), to, output, video_url, responses or [], mapping, force=force)
     if quiet:
         return
     names = [path.name for path in written.files]

@@ -11,15 +11,15 @@ import typer
 from rich import box
 from rich.table import Table
 
-from emovid.atomic_io import make_folder, writing
 from emovid.cli import completion
-from emovid.cli.options import Json, Platform, Quiet, Seed, Set, on_platform, settings
+from emovid.cli.options import Force, Json, Platform, Quiet, Seed, Set, on_platform, settings
 from emovid.cli.terminal import listing, show_table
 from emovid.errors import InputError
 from emovid.measure.claims import NOT_APPLIED
 from emovid.measure.describe import DESCRIPTORS, FAMILIES
 from emovid.scene.emotions import EMOTIONS
 from emovid.workflows.measuring import Measured, chosen_descriptors, measure_sources, measures_csv
+from emovid.workflows.outputs import STDOUT, write_outputs
 
 _WIDEST = 16  # characters of a scene's name in a line of the table's head
 
@@ -59,8 +59,12 @@ def measure(
     assignments: Set = None,
     seed: Seed = None,
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Also write the descriptors as CSV.", show_default=False)
+        Path | None,
+        typer.Option(
+            "--output", "-o", help="Also write the descriptors as CSV; - prints only these.", show_default=False
+        ),
     ] = None,
+    force: Force = False,
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
@@ -72,19 +76,19 @@ def measure(
     every = every or (gate and not sources)
     if every == bool(sources):
         raise InputError("expected scenes to measure, or --all")
-    if output and (output.suffix.lower() != ".csv" or output.is_dir()):
+    if output not in (None, STDOUT) and (output.suffix.lower() != ".csv" or output.is_dir()):
         raise InputError(f"-o {output}: expected a file ending in .csv")
+    if output == STDOUT and as_json:
+        raise InputError("-o -: expected no --json beside it")
     shown = chosen_descriptors(only)
     chosen = [on_platform(source, platform) for source in (EMOTIONS if every else dict.fromkeys(sources or []))]
     with listing(len(chosen), quiet=quiet or as_json) as done:
         found = measure_sources(chosen, settings(assignments, seed), shown, done, gate=gate, same_rate=same_rate)
-    if output:
-        make_folder(output.parent)
-        with writing(output) as file:
-            file.write(measures_csv(found.scenes).encode(errors="backslashreplace"))  # of a name that is no Unicode
+    if output:  # a name of a scene may be no Unicode
+        write_outputs({output: measures_csv(found.scenes).encode(errors="backslashreplace")}, force=force)
     if as_json:
         typer.echo(_json(found))
-    elif not quiet:
+    elif not quiet and output != STDOUT:
         _show(found)
     if not all(verdict.holds for verdict in found.verdicts):
         raise typer.Exit(1)

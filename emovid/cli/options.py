@@ -54,6 +54,8 @@ _FILE_SUFFIX = re.compile(
     r"\.(?!v\d)([A-Za-z][A-Za-z0-9]{1,7}|m|R)"
 )  # not of a folder such as results.v2 or 2024.11.30
 
+_KEYS = {"from": "begin", "to": "end"}  # of `video`, for options with another name
+
 Source = Annotated[
     str | None,
     typer.Argument(
@@ -172,7 +174,7 @@ def settings(
     Args:
         pairs: the values of `--set`.
         seed: of the scene.
-        look: keys of `video` that have an option of their own, with their values; None for an option not given.
+        look: options of their own for keys of `video`, with their values; None for an option not given.
         duration: of the run [s], as given.
     """
     made = []
@@ -187,7 +189,7 @@ def settings(
         made.append(Setting("duration", duration, f"--duration {duration}"))
     for key, option in (look or {}).items():
         if option is not None:
-            made.append(Setting(f"video.{key}", option, f"--{key} {option}"))
+            made.append(Setting(f"video.{_KEYS.get(key, key)}", option, f"--{key} {option}"))
     return made
 
 
@@ -197,10 +199,18 @@ def warn_of(scene: ValidScene, *, quiet: bool) -> None:
         typer.echo(f"warning: {scene.warning}", err=True)
 
 
-def check_file(file: Path, given: str) -> None:
-    """Raise an `InputError` if a file to write, `given` as in ``-o x.csv``, is a folder."""
-    if file.is_dir():
+def check_file(file: Path, given: str, suffixes: Sequence[str]) -> None:
+    """Raise an `InputError` if a file to write, `given` as in ``-o x.csv``, is a folder or clearly of another kind.
+
+    Args:
+        file: to write; `STDOUT` and names without a suffix are valid, too.
+        given: its name in the message.
+        suffixes: of the files that can be written.
+    """
+    if file != STDOUT and file.is_dir():
         raise InputError(f"{given}: is a folder; expected a file")
+    if _FILE_SUFFIX.fullmatch(file.suffix) and file.suffix.lower() not in suffixes:
+        raise InputError(f"{given}: cannot write {file.suffix}; expected {' or '.join(suffixes)}")
 
 
 def refuse_beside(option: str, others: Mapping[str, Path | float | str | Sequence[str] | None]) -> None:
@@ -221,24 +231,26 @@ def output_file(output: Path | None, name: str, default: str, suffixes: Sequence
     """
     chosen = output or Path(default)
     if chosen.suffix.lower() in suffixes:
-        check_file(chosen, f"-o {chosen}")
+        check_file(chosen, f"-o {chosen}", suffixes)
         return chosen
     return output_folder(chosen, suffixes) / name
 
 
-def output_folder(folder: Path, suffixes: Sequence[str] = ()) -> Path:
+def output_folder(folder: Path, suffixes: Sequence[str] = (), given: str = "") -> Path:
     """Return the folder that `-o` names; an `InputError` is raised for a file, or a name that is clearly one.
 
     Args:
         folder: as given.
         suffixes: of the files that could be given instead.
+        given: its name in messages, by default as in ``-o x``.
     """
+    given = given or f"-o {folder}"
     expected = f"{' or '.join(suffixes)}, or a folder" if suffixes else "a folder"
     if folder == STDOUT:
-        raise InputError(f"-o -: writes files only; expected {expected}")
+        raise InputError(f"{given}: writes files only; expected {expected}")
     if folder.exists() and not folder.is_dir():
         other = f", or a name that ends in {' or '.join(suffixes)}" if suffixes else ""
-        raise InputError(f"-o {folder}: is a file; expected a folder{other}")
+        raise InputError(f"{given}: is a file; expected a folder{other}")
     if not folder.exists() and _FILE_SUFFIX.fullmatch(folder.suffix):
-        raise InputError(f"-o {folder}: cannot write {folder.suffix}; expected {expected}")
+        raise InputError(f"{given}: cannot write {folder.suffix}; expected {expected}")
     return folder

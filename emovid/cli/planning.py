@@ -8,7 +8,6 @@ import typer
 
 from emovid.cli.options import Force, Json, Quiet, RandomSeed, check_file, number, refuse_beside, whole
 from emovid.report.results_json import as_json
-from emovid.workflows.outputs import STDOUT
 from emovid.workflows.planning import (
     ACCURACY,
     Rehearsal,
@@ -140,8 +139,7 @@ def simulate(
 
     Examples: emovid study simulate --participants 60 · emovid study simulate --bias anger=2
     """
-    if output != STDOUT:
-        check_file(output, f"-o {output}")
+    check_file(output, f"-o {output}", (".csv",))
     if matrix:
         refuse_beside("--matrix", {"--accuracy": accuracy, "--bias": bias})
     rehearsal = Rehearsal(participants, accuracy, matrix, bias or [], elimination, dropout, seed)

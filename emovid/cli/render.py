@@ -10,7 +10,6 @@ from typing import Annotated
 
 import typer
 
-from emovid.atomic_io import make_folder
 from emovid.batch import manifest
 from emovid.cli import completion
 from emovid.cli.options import (
@@ -84,6 +83,20 @@ Format = Annotated[
         autocompletion=completion.words(*FORMATS),
     ),
 ]
+Speed = Annotated[
+    str | None,
+    typer.Option(
+        "--speed", metavar="NUMBER", help="Playback speed; 2 shows a run in half its time.", show_default=False
+    ),
+]
+Begin = Annotated[
+    str | None,
+    typer.Option("--from", metavar="SECONDS", help="Time of the run at which the video begins.", show_default=False),
+]
+End = Annotated[
+    str | None,
+    typer.Option("--to", metavar="SECONDS", help="Time of the run at which the video ends.", show_default=False),
+]
 Theme = Annotated[
     str | None,
     typer.Option(help="light or dark.", show_default=False, autocompletion=completion.words("light", "dark")),
@@ -114,6 +127,9 @@ def render(
     theme: Theme = None,
     view: View = None,
     overlays: Overlay = None,
+    speed: Speed = None,
+    begin: Begin = None,
+    end: End = None,
     jobs: Jobs = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -126,6 +142,7 @@ def render(
     if every and (sources or emotion):
         raise InputError("--all means the six emotions: no scene goes with it")
     look = {"size": size, "fps": fps, "format": format, "theme": theme, "view": view}
+    look |= {"speed": speed, "from": begin, "to": end}
     overrides = _look(settings(assignments, seed, look, duration), output, overlays or [])
     named = list(EMOTIONS) if every else _named(sources or [], emotion)
     work = rendering.video_jobs([on_platform(name, platform) for name in named], overrides, output, _video_file)
@@ -189,6 +206,7 @@ def preview(
         bool, typer.Option("--watch", "-w", help="Make it again whenever the scene is saved, until Ctrl-C.")
     ] = False,
     shown: Annotated[bool, typer.Option("--open", help="Open the preview in a browser.")] = False,
+    force: Force = False,
     quiet: Quiet = False,
 ) -> None:
     """Show a scene at a glance: a small loop or a contact sheet, within seconds.
@@ -198,7 +216,13 @@ def preview(
     chosen = on_platform(one_source(source, emotion), platform)
     file, overrides = find_scene(chosen), settings(assignments, seed, duration=duration)
     target = _preview_file(output, file.stem, format)
-    make = partial(_preview, chosen, overrides, target, quiet=quiet)
+    own = force
+
+    def make() -> None:
+        nonlocal own
+        _preview(chosen, overrides, target, force=own, quiet=quiet)
+        own = True  # the file is ours now, and is replaced when the scene is saved
+
     if shown:
         make()
         if not webbrowser.open(target.resolve().as_uri()):
@@ -219,16 +243,15 @@ def _preview_file(output: Path | None, stem: str, format: str | None) -> Path:
     return output_file(output, f"{stem}{suffixes[0]}", "previews", suffixes)
 
 
-def _preview(source: str, overrides: list[Setting], target: Path, *, quiet: bool) -> None:
+def _preview(source: str, overrides: list[Setting], target: Path, *, force: bool, quiet: bool) -> None:
     """Make a preview and print its file."""
     started = time.perf_counter()
     scene = load_scene(source, overrides)
     check_start(scene)
     warn_of(scene, quiet=quiet)
-    make_folder(target.parent)
     with counting(target.name, quiet=quiet) as on_period:
         run = simulate_scene(scene, on_period)
-    write_preview(run, target)
+    write_preview(run, target, force=force)
     if not quiet:
         typer.echo(f"{target}: {scene.duration:g} s, made in {time.perf_counter() - started:.1f} s", err=True)
 

@@ -41,6 +41,7 @@ from emovid.scene.resources import read_text
 from emovid.swarm.simulate import simulate
 from emovid.swarm.summary import summarize
 from emovid.workflows.outputs import STDOUT, write_outputs
+from emovid.yaml_models import with_schema
 
 _SHOWN = 60  # characters of a value in the table; --json has all
 
@@ -135,6 +136,8 @@ def new(
 ) -> None:
     """Create a scene as a copy of another, with its comments.
 
+    The JSON Schema beside it lets editors complete and check its keys.
+
     Example: emovid scene new my.yaml --from anger
     """
     source = on_platform(source, platform)
@@ -142,11 +145,12 @@ def new(
     if file == STDOUT:
         typer.echo(text, nl=False)
         return
-    check_file(file, str(file))
+    check_file(file, str(file), (".yaml", ".yml"))
     if file.exists() and not force:
         raise InputError(f"{file}: exists; use --force to overwrite it")
+    files = with_schema(moved_scene(text, find_scene(source), file), file, scene_schema())
     make_folder(file.parent)
-    write_outputs({file: moved_scene(text, find_scene(source), file).encode()}, force=True)
+    write_outputs(files, force=True)
     if not quiet:
         typer.echo(f"{file}: a copy of {source}; check it with emovid scene check {file}", err=True)
 

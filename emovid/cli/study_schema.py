@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from emovid.kit.study import Study
+from emovid.kit.study import study_schema
 from emovid.report.results_json import results_schema
 from emovid.responses.mapping import map_schema
 
@@ -21,5 +21,5 @@ def schema(
 
     Examples: emovid study schema > study.schema.json · emovid study schema --map · emovid study schema --results
     """
-    found = results_schema() if results else map_schema() if of_map else Study.model_json_schema()
+    found = results_schema() if results else map_schema() if of_map else study_schema()
     typer.echo(json.dumps(found, indent=2))

@@ -15,7 +15,7 @@ from emovid.errors import EmovidError, InputError
 from emovid.survey.codes import digest, normalized, recruit_digest
 from emovid.survey.export import is_of_kit, progress_of, responses_csv
 from emovid.survey.store import Withdrawal, open_survey
-from emovid.workflows.outputs import STDOUT, write_outputs
+from emovid.workflows.outputs import write_outputs
 
 Pilot = Annotated[bool, typer.Option("--pilot", help="Use the answers of the pilot, which have a file of their own.")]
 Release = Annotated[
@@ -47,7 +47,7 @@ def serve(
     Examples: emovid study serve kit/ · emovid study serve kit/ --pilot --port 8001
     """
     try:
-        from emovid.survey.serve import serve as run  # needs the extra "serve"
+        from emovid.survey.serve import serve as run  # noqa: PLC0415 - an extra
     except ModuleNotFoundError as error:
         raise EmovidError(f"{error.name} is missing: pip install 'emovid[serve]'") from None
 
@@ -83,8 +83,7 @@ def responses(
 
     Examples: emovid study responses kit/ -o responses.csv
     """
-    if output != STDOUT:
-        check_file(output, f"-o {output}")
+    check_file(output, f"-o {output}", (".csv",))
     opened, store = open_survey(kit, pilot=pilot)
     mode = "rehearsal" if rehearsal else ""
     text = responses_csv(store, opened, pilot=pilot, release=60 * release_after, mode=mode)

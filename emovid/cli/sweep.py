@@ -76,7 +76,7 @@ def sweep(
     items = Items(read_sweep(find_sweep(file), only))
     part = shard_of(shard) if shard else (1, 1)
     run = SweepRun(output or Path(FOLDER) / file.stem, part, force, jobs or os.cpu_count() or 1, scheduler, wait)
-    check_output(output_folder(run.folder))
+    check_output(output_folder(run.folder), items)
     if dry_run:
         _show_steps(list(plan_sweep(items, run)), as_json)
         return

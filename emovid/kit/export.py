@@ -1,11 +1,12 @@
 """Exports of a kit for other tools: `emovid study export`."""
 
+import hashlib
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from emovid.atomic_io import make_folder, whole_file
+from emovid.atomic_io import file_digest, make_folder, whole_file
 from emovid.errors import InputError, nearest, reason
 from emovid.kit.exports import jspsych, limesurvey, psychopy, qualtrics
 from emovid.kit.exports.design import REVISION, DesignPart, Limits, Status, design_of
@@ -71,6 +72,8 @@ def export(
     video_url: str = _HERE,
     responses: Sequence[Path] = (),
     mapping: Path | None = None,
+    *,
+    force: bool = False,
 ) -> Exported:
     """Write the files of a kit for one of the `TOOLS`.
 
@@ -81,15 +84,14 @@ def export(
         video_url: address of the videos.
         responses: exports of the survey, for the data set.
         mapping: map.yaml of these; None for that of the kit.
+        force: whether to overwrite existing files with other content.
 
     Raises:
-        InputError: for an unknown tool, a design that it cannot carry, a kit without orders or videos, and invalid
-            responses.
+        InputError: for an existing file with other content, an unknown tool, a design that it cannot carry, a kit
+            without orders or videos, and invalid responses.
         EmovidError: if something cannot be written.
     """
     _check_tool(tool)
-    if folder is not None and folder.exists() and not folder.is_dir():
-        raise InputError(f"-o {folder}: is a file; expected a folder")
     if responses and tool != "psych-ds":
         raise InputError(f"--responses: {tool} contains no answers; expected --to psych-ds")
     if mapping and not responses:
@@ -101,13 +103,15 @@ def export(
         mapping = mapping or (kit.folder.map if kit.folder.map.is_file() else None)
         answers = read_responses(list(responses), key=kit.folder.key, mapping=mapping)
     target = folder or kit.folder.exports / tool
-    written = []
-    for name, text in TOOLS[tool](kit, video_url, answers).items():
-        make_folder((target / name).parent)
-        write_text(target / name, text)
-        written.append(target / name)
-    videos = _copied(kit, target / "videos") if tool in _LIMITS else []
-    return Exported((*written, *videos), warnings)
+    texts = {target / name: text for name, text in TOOLS[tool](kit, video_url, answers).items()}
+    videos = _videos(kit, target / "videos") if tool in _LIMITS else {}
+    if not force:
+        _check_existing({file: text.encode() for file, text in texts.items()} | videos)
+    for file, text in texts.items():
+        make_folder(file.parent)
+        write_text(file, text)
+    _write_videos(videos)
+    return Exported((*texts, *videos), warnings)
 
 
 def _check_tool(tool: str) -> None:
@@ -134,19 +138,32 @@ def _warnings(parts: Sequence[DesignPart], tool: str, video_url: str) -> tuple[s
     return tuple(found)
 
 
-def _copied(kit: Kit, folder: Path) -> list[Path]:
-    """Copy the videos with their times, and remove those of a former kit."""
-    make_folder(folder)
-    targets = {folder / f"{code}.mp4": kit.folder.video(code) for code in kit.manifest.all_videos}
-    for path in folder.glob("*.mp4"):
-        if is_code(path.stem) and path not in targets:
-            path.unlink()
-    for target, source in targets.items():
+def _videos(kit: Kit, folder: Path) -> dict[Path, bytes]:
+    """Return the contents of the copies of a kit's videos, by their path."""
+    found = {}
+    for code in kit.manifest.all_videos:
+        source = kit.folder.video(code)
         try:
-            data = source.read_bytes()
+            found[folder / f"{code}.mp4"] = source.read_bytes()
         except OSError as error:
             raise InputError(f"{source}: {reason(error)}; expected a video of the kit: build it again") from None
+    return found
+
+
+def _check_existing(files: Mapping[Path, bytes]) -> None:
+    for file, data in files.items():
+        if file.exists() and file_digest(file) != hashlib.sha256(data).hexdigest():
+            raise InputError(f"{file} exists with other content; use --force to overwrite it, or -o")
+
+
+def _write_videos(videos: Mapping[Path, bytes]) -> None:
+    """Write the videos with their times, and remove those of a former kit."""
+    for folder in {target.parent for target in videos}:
+        make_folder(folder)
+        for path in folder.glob("*.mp4"):
+            if is_code(path.stem) and path not in videos:
+                path.unlink()
+    for target, data in videos.items():
         with whole_file(target) as part:
             part.write_bytes(data)
             os.utime(part, (TIME, TIME))
-    return list(targets)

@@ -12,16 +12,16 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from emovid.atomic_io import file_digest, make_folder, writing
+from emovid.atomic_io import file_digest, make_folder, replace_if_changed
 from emovid.errors import InputError, SourceError, nearest
 from emovid.kit.external_videos import check_video
-from emovid.kit.study import MAX_VIDEOS, StimulusKeys, Study
+from emovid.kit.study import MAX_VIDEOS, StimulusKeys, Study, study_schema
 from emovid.scene.emotions import EMOTIONS
 from emovid.scene.load import Setting, load_scene, scene_digest
 from emovid.scene.model import Scene
 from emovid.scene.resources import STUDIES, read_text
 from emovid.swarm.simulate import check_start
-from emovid.yaml_models import source_error
+from emovid.yaml_models import source_error, with_schema
 from emovid.yaml_source import KeyPath, Places, place_of, read_yaml
 
 NAME = "study.yaml"
@@ -72,20 +72,18 @@ class LoadedStudy:
 
 
 def start_study(folder: Path) -> Path:
-    """Write the example study into a folder, created if missing, and return its study.yaml.
+    """Write the example study and the schema for editors into a folder, created if missing; return its study.yaml.
 
     Raises:
-        InputError: if the folder is a file or contains a study.yaml.
+        InputError: if the folder contains a study.yaml or a schema of another program.
     """
     file = folder / NAME
-    if folder.suffix.lower() in (".yaml", ".yml") or (folder.exists() and not folder.is_dir()):
-        raise InputError(f"{folder}: expected a folder for {NAME}")
     if file.exists():
         raise InputError(f"{file}: exists; expected another folder")
-    text = read_text(STUDIES / "example" / NAME, "study")
+    files = with_schema(read_text(STUDIES / "example" / NAME, "study"), file, study_schema())
     make_folder(folder)
-    with writing(file) as target:
-        target.write(text.encode())
+    for path, data in files.items():
+        replace_if_changed(path, data)
     return file
 
 
@@ -168,6 +166,10 @@ def _scene(
     with _errors_at((*at, "scene"), places):
         scene = load_scene(source, settings)
         check_start(scene)
+        if scene.frames != study.video.frames:
+            key = "speed" if scene.video.speed != 1 else "end" if scene.video.end else "begin"
+            value = getattr(scene.video, key)
+            raise scene.fault(f"video.{key}", f"{value:g}: a stimulus shows its whole run, at the speed of the run")
         for overlay, shown in scene.video.overlays:
             if shown:
                 raise scene.fault(f"video.overlays.{overlay}", "true: a stimulus shows only stage, robots and trails")

@@ -442,3 +442,10 @@ def _label_faults(study: Study) -> Iterator[tuple[str, str]]:
     for label, text in study.answers.items():
         if list(words.values()).count(words[label]) > 1:
             yield (f"labels.{label}" if label in study.labels else "none_of_these"), f"{text!r} occurs twice"
+
+
+def study_schema() -> dict[str, Any]:
+    """Return the JSON Schema (draft 2020-12) of a study, for editors."""
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **Study.model_json_schema()} | {
+        "title": "emovid study"
+    }

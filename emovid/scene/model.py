@@ -108,9 +108,15 @@ class Scene(Keys):
         return self.snapshots or (EMOTIONS[self.emotion].snapshot_times if self.emotion else None)
 
     @property
+    def window(self) -> tuple[float, float]:
+        """The times of the run [s] at which the video begins and ends."""
+        return self.video.begin, self.duration if self.video.end is None else self.video.end
+
+    @property
     def frames(self) -> int:
-        """Frames of the video: duration times fps, to the nearest whole one."""
-        return max(1, round(self.duration * self.video.fps))
+        """Frames of the video: the seconds that it lasts times fps, to the nearest whole one."""
+        begin, end = self.window
+        return max(1, round((end - begin) / self.video.speed * self.video.fps))
 
     def resolved(self) -> dict[str, Any]:
         """Every key with its value, defaults included, in plain types."""
@@ -120,6 +126,7 @@ class Scene(Keys):
 def _faults(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield (key, message) for what no key shows alone."""
     yield from _video_faults(scene.video)
+    yield from _window_faults(scene)
     if scene.video.overlays.density and not isinstance(scene.behaviour, Coverage):
         yield "video.overlays.density", f"true: a {scene.behaviour.law} behaviour has no density to show"
     if scene.video.overlays.targets and isinstance(scene.behaviour, Recorded):
@@ -148,6 +155,14 @@ def _video_faults(video: Video) -> Iterator[tuple[str, str]]:
         yield "video.fps", f"{video.fps}: expected at most {MAX_GIF_FPS} in a gif: browsers show a faster one slowly"
     if video.trails.fade and video.trails.seconds is None:
         yield "video.trails.fade", "true: a trail that stays for ever cannot fade; expected a number for seconds"
+
+
+def _window_faults(scene: Scene) -> Iterator[tuple[str, str]]:
+    begin, end = scene.window
+    if end > scene.duration:
+        yield "video.end", f"{end:g}: expected at most the duration of the run, {scene.duration:g}"
+    elif begin >= end:
+        yield "video.begin", f"{begin:g}: expected less than the end of the video, {end:g}"
 
 
 def _robot_faults(scene: Scene) -> Iterator[tuple[str, str]]:

@@ -134,6 +134,15 @@ class Video(Keys):
         "1280x720", description="width x height [pixels], both even"
     )
     fps: Annotated[int, Field(ge=1, le=MAX_FPS)] = Field(30, description="frames per second")
+    speed: Annotated[float, Field(ge=0.01, le=100)] = Field(
+        1.0, description="playback speed: 2 shows the run in half its time"
+    )
+    begin: Annotated[float, Field(ge=0, le=MAX_DURATION)] = Field(
+        0.0, description="time of the run at which the video begins [s]"
+    )
+    end: Annotated[float, Field(gt=0, le=MAX_DURATION)] | None = Field(
+        None, description="time of the run at which the video ends [s]; null: the end of the run"
+    )
     format: FormatName = Field("mp4", description="mp4 (H.264), webm (VP9), gif, or png-sequence: a folder of pictures")
     view: ViewName = Field("overhead", description="overhead: from straight above; perspective: from the camera")
     camera: CameraKeys = Field(CameraKeys(), description="position and direction of the camera of the perspective view")

@@ -30,7 +30,7 @@ def render_video(
 ) -> str:
     """Write a trajectory as a video: a complete file, or none.
 
-    Frame k shows the time k / fps.
+    Frame k shows the time begin + k speed / fps of the run, as in `video`.
 
     Args:
         trajectory: its scene's `video` gives look and format.
@@ -171,9 +171,9 @@ def _encodable(drawn: Iterable[tuple[Pixels, list[Box]]], trajectory: Trajectory
 
 
 def _frame_times(trajectory: Trajectory) -> Array:
-    """Return the times of the frames (F,) [s]."""
-    scene = trajectory.scene
-    return np.minimum(np.arange(scene.frames) / scene.video.fps, trajectory.t[-1])
+    """Return the times of the run that the frames show (F,) [s]."""
+    scene, video = trajectory.scene, trajectory.scene.video
+    return np.minimum(video.begin + np.arange(scene.frames) * video.speed / video.fps, trajectory.t[-1])
 
 
 def _palette(trajectory: Trajectory) -> Colours24:

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NoReturn
 
 import numpy as np
@@ -14,6 +15,7 @@ from emovid.swarm.trajectory import Trajectory
 from emovid.video.encoder import FORMATS
 from emovid.video.painter import Painter
 from emovid.video.render import reduced, render_video
+from emovid.workflows.outputs import write_outputs
 
 SHEET = ".png"
 _WIDTH = 320  # of the loop, and of each picture of a contact sheet [pixels]
@@ -22,14 +24,17 @@ _ROWS, _COLUMNS = 2, 3  # of a contact sheet
 _PAUSE = 0.1  # seconds between two looks at the file
 
 
-def write_preview(run: Trajectory, target: Path) -> None:
-    """Write a preview of a run: a contact sheet if the target ends in .png, else a video."""
+def write_preview(run: Trajectory, target: Path, *, force: bool) -> None:
+    """Write a preview of a run: a contact sheet if the target ends in .png, else a video. Raises as `write_outputs`."""
     suffix = target.suffix.lower()
-    if suffix == SHEET:
-        _write_sheet(reduced(run, _WIDTH, _FPS), target)
-    else:
-        format = next(name for name, made in FORMATS.items() if made.suffix == suffix)
-        render_video(reduced(run, _WIDTH, _FPS, format), target)
+    with TemporaryDirectory() as folder:
+        made = Path(folder) / f"preview{suffix}"
+        if suffix == SHEET:
+            _write_sheet(reduced(run, _WIDTH, _FPS), made)
+        else:
+            format = next(name for name, format in FORMATS.items() if format.suffix == suffix)
+            render_video(reduced(run, _WIDTH, _FPS, format), made)
+        write_outputs({target: made.read_bytes()}, force=force)
 
 
 def make_when_saved(make: Callable[[], None], file: Path, report: Callable[[EmovidError], None]) -> NoReturn:
@@ -51,8 +56,8 @@ def make_when_saved(make: Callable[[], None], file: Path, report: Callable[[Emov
 
 
 def _write_sheet(run: Trajectory, target: Path) -> None:
-    """Write pictures of a run at equal distances in time, from its start to its end."""
-    times, painter = np.linspace(0, run.t[-1], _ROWS * _COLUMNS), Painter(run)
+    """Write pictures of a run at equal distances in time, from the start to the end of its video."""
+    times, painter = np.linspace(*run.scene.window, _ROWS * _COLUMNS), Painter(run)
     pictures = np.stack([painter.frame(t)[..., :3].copy() for t in times])
     grid = pictures.reshape(_ROWS, _COLUMNS, *pictures.shape[1:])
     save(contact_figure(grid, captions=[f"{t:.3g} s" for t in times]), target)

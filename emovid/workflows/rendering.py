@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from emovid.atomic_io import file_digest, writing
-from emovid.batch import manifest, results
+from emovid.batch import contact_sheet, manifest, results
 from emovid.batch.cache import Made, Reporter, find_current, make_missing, workers
 from emovid.batch.job import Job, Record
 from emovid.batch.manifest import Journal, read_manifest
@@ -238,6 +238,8 @@ _FORMATS: Mapping[str, Callable[[bytes], bool]] = {
     manifest.NAME: _is_manifest,
     manifest.PLAN: _is_plan,
     results.TABLE: _starts_with("item,name"),
+    results.PARQUET: results.is_parquet_of_sweep,
+    contact_sheet.NAME: contact_sheet.is_contact_sheet,
     ORDER: _starts_with("position,emotion,video"),
 }
 

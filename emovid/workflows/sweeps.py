@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Literal, Protocol
 
 from emovid.atomic_io import make_folder
-from emovid.batch import manifest
+from emovid.batch import contact_sheet, manifest
 from emovid.batch.cache import Made, Reporter, is_current, make_jobs, touch, workers
 from emovid.batch.check import state_of
 from emovid.batch.manifest import Journal, Records, has_journals, read_manifest
-from emovid.batch.results import TABLE, write_summary
+from emovid.batch.results import PARQUET, TABLE, write_summary
 from emovid.batch.sweep import Items
 from emovid.errors import InputError
 from emovid.swarm.simulate import check_start
@@ -69,11 +69,13 @@ class SweepOutcome:
     finished: int | None = None
 
 
-def check_output(folder: Path) -> None:
-    """Raise an `InputError` unless results can be written to a folder."""
+def check_output(folder: Path, items: Items) -> None:
+    """Raise an `InputError` unless the results of a sweep can be written to a folder."""
     if folder.exists() and not folder.is_dir():
         raise InputError(f"-o {folder}: is a file; expected a folder")
-    check_folder(folder, (manifest.NAME, manifest.PLAN, TABLE))
+    check_folder(folder, (manifest.NAME, manifest.PLAN, TABLE, PARQUET))
+    if items.sweep.only != "measure" and contact_sheet.NAME not in read_manifest(folder):
+        check_folder(folder, [contact_sheet.NAME])
 
 
 def run_sweep(items: Items, run: SweepRun, open_reporter: OpenReporter, outcome: SweepOutcome) -> None:

@@ -2,11 +2,13 @@ import json
 import shutil
 from pathlib import Path
 
+import jsonschema
 import pytest
 
 from emovid.cli.main import main
 from emovid.kit.folder import open_kit
 from emovid.kit.load import load_study
+from emovid.yaml_source import read_yaml
 from tests.helpers.terminal import on_a_terminal
 
 ROOT = Path(__file__).parents[2]
@@ -46,7 +48,12 @@ def test_new_study_copies_the_example_and_prints_next_steps(capsys) -> None:
     assert main(["study", "new", "deep/my-study"]) == 0
     next_step = "edit it, then run emovid study build deep/my-study -o kit/"
     assert capsys.readouterr() == ("", f"deep/my-study/study.yaml: the paper's study; {next_step}\n")
-    assert Path("deep/my-study/study.yaml").read_text() == EXAMPLE
+    first, _, rest = Path("deep/my-study/study.yaml").read_text().partition("\n")
+    assert (first, rest) == ("# yaml-language-server: $schema=emovid-study.schema.json", EXAMPLE)
+    assert main(["study", "schema"]) == 0
+    schema = capsys.readouterr().out
+    assert Path("deep/my-study/emovid-study.schema.json").read_text() == schema
+    jsonschema.validate(read_yaml(EXAMPLE, "study.yaml")[0], json.loads(schema))
     assert main(["study", "new", "deep", "-q"]) == 0  # an existing folder without a study
     assert capsys.readouterr() == ("", "")
     loaded = load_study(Path("deep"))
@@ -58,9 +65,14 @@ def test_new_study_does_not_replace_existing_files(capsys) -> None:
     assert capsys.readouterr().err == "study.yaml: exists; expected another folder\n"
     assert Path("study.yaml").read_text() == SMALL
     Path("notes").write_text("mine")
-    for taken in ("notes", "my.yaml"):
+    for taken, problem in (
+        ("notes", "is a file"),
+        ("my.yaml", "cannot write .yaml"),
+        ("my.zip", "cannot write .zip"),
+        ("-", "writes files only"),
+    ):
         assert main(["study", "new", taken]) == 2
-        assert capsys.readouterr().err == f"{taken}: expected a folder for study.yaml\n"
+        assert capsys.readouterr().err == f"{taken}: {problem}; expected a folder\n"
     assert Path("notes").read_text() == "mine"
 
 

@@ -86,21 +86,24 @@ def test_scene_show_prints_the_file_with_comments(capsys) -> None:
     assert json.loads(capsys.readouterr().out) == load_scene("anger").resolved()
 
 
+EDITOR_LINE = "# yaml-language-server: $schema=emovid-scene.schema.json\n"
+
+
 def test_scene_new_copies_and_never_overwrites(capsys) -> None:
     assert main(["scene", "new", "deep/my.yaml", "--from", "disgust"]) == 0
-    assert Path("deep/my.yaml").read_text() == shipped_scene("disgust").read_text()
+    assert Path("deep/my.yaml").read_text() == EDITOR_LINE + shipped_scene("disgust").read_text()
     Path("deep/my.yaml").write_text("mine")
     capsys.readouterr()
     assert main(["scene", "new", "deep/my.yaml"]) == 2
     assert capsys.readouterr().err == "deep/my.yaml: exists; use --force to overwrite it\n"
     assert Path("deep/my.yaml").read_text() == "mine"
     assert main(["scene", "new", "deep/my.yaml", "--force"]) == 0
-    assert Path("deep/my.yaml").read_text() == shipped_scene("happiness").read_text()
+    assert Path("deep/my.yaml").read_text() == EDITOR_LINE + shipped_scene("happiness").read_text()
 
 
 def test_scene_new_can_be_quiet(capsys) -> None:
     assert main(["scene", "new", "my.yaml", "--quiet"]) == 0
-    assert Path("my.yaml").read_text() == shipped_scene("happiness").read_text()
+    assert Path("my.yaml").read_text() == EDITOR_LINE + shipped_scene("happiness").read_text()
     assert capsys.readouterr() == ("", "")
 
 
@@ -118,7 +121,7 @@ def test_a_scene_from_a_pipe_is_shown_and_copied() -> None:
         (["scene", "new", "x.yaml", "--from", "/dev/stdin"], b""),
     ):
         assert subprocess.run([*EMOVID, *command], input=text, stdout=subprocess.PIPE, check=True).stdout == shown
-    assert Path("x.yaml").read_bytes() == text
+    assert Path("x.yaml").read_bytes() == EDITOR_LINE.encode() + text
 
 
 def test_scene_check_reports_the_run(capsys) -> None:
@@ -137,6 +140,33 @@ def test_scene_check_says_when_bodies_overlap(capsys) -> None:
     keys = ["--set", "behaviour.separation=null", "--set", "duration=10", "--seed", "1"]
     assert main(["scene", "check", "anger", *keys]) == 0
     assert "(they overlap)" in capsys.readouterr().out
+
+
+def test_a_new_scene_comes_with_the_schema_that_its_first_line_names(capsys) -> None:
+    assert main(["scene", "new", "deep/my.yaml"]) == 0
+    first, _, rest = Path("deep/my.yaml").read_text().partition("\n")
+    schema = Path("deep", first.partition("$schema=")[2])
+    assert main(["scene", "schema"]) == 0
+    assert schema.read_text() == capsys.readouterr().out
+    assert main(["scene", "new", "deep/copy.yaml", "--from", "deep/my.yaml"]) == 0
+    assert Path("deep/copy.yaml").read_text() == f"{first}\n{rest}"  # one line for the editor, not two
+
+
+@pytest.mark.parametrize("content", ['{"title": "other"}', "[]", "not JSON"])
+def test_a_schema_of_another_program_is_never_replaced(content, capsys) -> None:
+    schema = Path("emovid-scene.schema.json")
+    schema.write_text(content)
+    assert main(["scene", "new", "my.yaml", "--force"]) == 2
+    expected = f"{schema}: was not written by emovid; move it, or choose another folder\n"
+    assert capsys.readouterr().err == expected
+    assert (schema.read_text(), Path("my.yaml").exists()) == (content, False)
+
+
+def test_a_schema_of_an_older_version_is_replaced() -> None:
+    schema = Path("emovid-scene.schema.json")
+    schema.write_text('{"title": "emovid scene"}')
+    assert main(["scene", "new", "my.yaml"]) == 0
+    assert "properties" in json.loads(schema.read_text())
 
 
 def test_scene_schema_accepts_the_shipped_scenes(capsys) -> None:

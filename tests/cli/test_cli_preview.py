@@ -125,7 +125,7 @@ def test_watching_continues_after_errors_until_interrupted(watched) -> None:
 
     watched.process.send_signal(signal.SIGINT)
     assert watched.process.wait(30) == 130
-    assert names() == ["my.gif", "my.yaml"]
+    assert names() == ["emovid-scene.schema.json", "my.gif", "my.yaml"]
 
 
 class _EnoughError(Exception):

@@ -255,6 +255,16 @@ def test_duration_replaces_the_length_of_the_run() -> None:
     assert manifest(Path("videos"))["anger.mp4"]["frames"] == 10
 
 
+def test_a_part_of_a_finished_run_is_shown_at_another_speed() -> None:
+    main(["simulate", "anger", "--duration", "2", "-o", "run.npz", "-q"])
+    look = ["--size", "96x64", "--fps", "5"]
+    assert main(["render", "run.npz", *look, "-o", "whole.mp4"]) == 0
+    assert main(["render", "run.npz", *look, "-o", "slow.mp4", "--speed", "0.5", "--from", "0.4", "--to", "1.8"]) == 0
+    whole, slow = manifest(Path())["whole.mp4"], manifest(Path())["slow.mp4"]
+    assert (whole["frames"], slow["frames"]) == (10, 14)
+    assert whole["trajectory_sha256"] == slow["trajectory_sha256"]
+
+
 def test_copied_folder_is_current(tmp_path, capsys) -> None:
     render("--emotion", "anger")
     other = tmp_path / "copy"
@@ -373,12 +383,16 @@ def test_quiet_prints_nothing(capsys) -> None:
         (["fear", "--set", "video.trails.seconds=null", "--set", "video.trails.fade=true"],
          "--set video.trails.fade=true: video.trails.fade: true: a trail that stays for ever cannot fade; expected a "
          "number for seconds"),
+        (["fear", "--speed", "0"], "--speed 0: video.speed: 0: expected at least 0.01"),
+        (["fear", "--to", "16"], "--to 16: video.end: 16: expected at most the duration of the run, 15"),
+        (["fear", "--from", "8", "--to", "2"], "--from 8: video.begin: 8: expected less than the end of the video, 2"),
+        (["fear", "--from", "0:02"], "--from 0:02: video.begin: '0:02': expected a number"),
         (["nothing.npz"], "nothing.npz: cannot be read: no such file or directory"),
         (["fear", "--set", "robot.k=2"], "--set robot.k=2: robot.k: unknown key (did you mean robot.K?)"),
         (["fear", "--set", "robot.K"], "--set robot.K: expected KEY=VALUE, as in robot.l=0.002"),
         (["fear", "--size", "7"], "--size 7: video.size: 7: expected width x height in pixels, as in 1280x720"),
         (["fear", "--jobs", "0"], "--jobs 0: expected a whole number, at least 1 (did you mean 1?)"),
-        (["fear", "--sed", "1"], "No such option: --sed (Possible options: --seed, --set, --size)"),
+        (["fear", "--sed", "1"], "No such option: --sed (Possible options: --seed, --set, --speed)"),
         (
             ["fear", "--set", "robots=900"],
             "--set robots=900: robots: 900 robots do not fit into 0.9 m x 0.6 m at random with 60 mm between centres: "

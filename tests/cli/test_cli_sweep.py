@@ -1,4 +1,5 @@
 import csv
+import io
 import json
 import shutil
 from pathlib import Path
@@ -191,10 +192,18 @@ def test_status_and_verify_accept_rendered_folders(capsys) -> None:
     assert json.loads(said.split("corrupt\n")[-1])["counts"] == {"corrupt": 1}
 
 
+def parquet_of_answers() -> bytes:
+    file = io.BytesIO()
+    pd.DataFrame({"participant": ["p1"], "answer": ["anger"]}).to_parquet(file)
+    return file.getvalue()
+
+
 FOREIGN = {
-    "manifest.json": '{"name": "My site", "icons": []}',
-    "plan.json": '{"thesis": "chapter 1"}',
-    "results.csv": "participant,answer\np1,anger\n",
+    "manifest.json": b'{"name": "My site", "icons": []}',
+    "plan.json": b'{"thesis": "chapter 1"}',
+    "results.csv": b"participant,answer\np1,anger\n",
+    "results.parquet": parquet_of_answers(),
+    "contact-sheet.png": b"my picture",
 }
 
 
@@ -202,11 +211,11 @@ FOREIGN = {
 @pytest.mark.parametrize("force", [[], ["--force"]])
 def test_a_file_of_another_program_is_never_replaced(name, force, capsys) -> None:
     Path("mine").mkdir()
-    Path("mine", name).write_text(FOREIGN[name])
-    assert sweep("-o", "mine", "--only", "measure", *force) == 2
+    Path("mine", name).write_bytes(FOREIGN[name])
+    assert sweep("-o", "mine", *force) == 2
     problem = "was not written by emovid; move it, or choose another folder"
     assert capsys.readouterr().err == f"mine/{name}: {problem}\n"
-    assert contents("mine") == {name: FOREIGN[name].encode()}
+    assert contents("mine") == {name: FOREIGN[name]}
 
 
 def test_results_of_another_sweep_are_replaced_only_with_force(capsys) -> None:

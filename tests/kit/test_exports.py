@@ -343,6 +343,18 @@ def test_unknown_facts_are_marked_to_do(fresh, tmp_path) -> None:
     assert f"Approved by {OPEN}" in text
 
 
+def test_a_draft_that_was_filled_in_is_not_replaced(fresh, tmp_path) -> None:
+    draft = export(open_kit(fresh), "prereg", tmp_path).files[0]
+    written = draft.read_text()
+    assert export(open_kit(fresh), "prereg", tmp_path).files == (draft,)
+    draft.write_text("filled in")
+    with pytest.raises(InputError, match=r"preregistration\.md exists with other content; use --force"):
+        export(open_kit(fresh), "prereg", tmp_path)
+    assert draft.read_text() == "filled in"
+    export(open_kit(fresh), "prereg", tmp_path, force=True)
+    assert draft.read_text() == written
+
+
 def test_exports_need_the_orders_and_the_study(kit) -> None:
     for name in ("key.csv", "study.json"):
         (kit / "private" / name).unlink()
@@ -360,7 +372,10 @@ def test_an_export_of_a_former_kit_is_replaced(kit, tmp_path) -> None:
     export(open_kit(kit), "jspsych")
     old = {path.name for path in (kit / "exports" / "jspsych" / "videos").iterdir()}
     built = make_kit(tmp_path, seed=5, force=True)
-    export(open_kit(kit), "jspsych")
+    with pytest.raises(InputError, match=r"exists with other content; use --force to overwrite it, or -o"):
+        export(open_kit(kit), "jspsych")
+    assert {path.name for path in (kit / "exports" / "jspsych" / "videos").iterdir()} == old
+    export(open_kit(kit), "jspsych", force=True)
     new = {path.name for path in (kit / "exports" / "jspsych" / "videos").iterdir()}
     assert new == {f"{code}.mp4" for code in built.codes}
     assert not old & new

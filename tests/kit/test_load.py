@@ -186,6 +186,13 @@ def test_answers_may_be_emoji(tmp_path) -> None:
         load_study(write_study(tmp_path, changed((": Happiness", ": 😀"), (": Anger", ": 😀"))))
 
 
+@pytest.mark.parametrize(("key", "value"), [("speed", "2"), ("begin", "0.5"), ("end", "0.5")])
+def test_a_stimulus_shows_its_whole_run(tmp_path, key, value) -> None:
+    text = changed(("set: {robots: 6}", f"set: {{robots: 6, video.{key}: {value}}}"))
+    with pytest.raises(EmovidError, match=rf"video\.{key}: {value}: a stimulus shows its whole run, at"):
+        load_study(write_study(tmp_path, text))
+
+
 def test_a_finished_video_has_no_keys_of_a_scene(tmp_path) -> None:
     text = changed(("scene: anger", "video: mine.mp4\n    emotion: anger\n    set: {robots: 3}"))
     with pytest.raises(EmovidError, match=r"stimuli\.2\.set: a finished video has no keys to set"):

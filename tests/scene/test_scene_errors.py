@@ -187,8 +187,8 @@ def test_too_large_scene_file_is_refused(capsys, tmp_path):
     [
         (["--set", "robot.k=8"], "--set robot.k=8: robot.k: unknown key (did you mean robot.K?)"),
         (["--set", "video.frames=9"], "--set video.frames=9: video.frames: unknown key; "
-                                      "expected one of size, fps, format, view, camera, trails, overlays, theme, "
-                                      "colours"),
+                                      "expected one of size, fps, speed, begin, end, format, view, camera, "
+                                      "trails, overlays, theme, colours"),
         (["--set", "robot.5=1"], "--set robot.5=1: robot.5: unknown key; expected one of model, l, K, limits, "
                                "saturation"),
         (["--set", "robot.K"], "--set robot.K: expected KEY=VALUE, as in robot.l=0.002"),

@@ -81,6 +81,21 @@ def test_the_export_holds_codes_and_no_label_of_a_video(capsys) -> None:
     assert "127.0.0.1" not in text
 
 
+def test_answers_are_printed_where_the_output_is_a_dash(capsysbinary) -> None:
+    take_part([["fear"] * 6])
+    assert main(["study", "responses", "kit", "-o", "answers.csv", "-q"]) == 0
+    assert main(["study", "responses", "kit", "-o", "-", "-q"]) == 0
+    assert capsysbinary.readouterr().out == Path("answers.csv").read_bytes()
+
+
+def test_a_file_of_something_else_is_not_replaced_by_answers(capsys) -> None:
+    take_part([["fear"] * 6])
+    Path("answers.csv").write_text("mine")
+    assert main(["study", "responses", "kit", "-o", "answers.csv"]) == 2
+    assert capsys.readouterr().err == "answers.csv exists with other content; use --force to overwrite it, or -o\n"
+    assert Path("answers.csv").read_text() == "mine"
+
+
 def test_pilot_answers_are_kept_apart_and_left_out_of_the_analysis(capsys) -> None:
     take_part([["fear"] * 6], pilot=True)
     assert main(["study", "responses", "kit"]) == 2

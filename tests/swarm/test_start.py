@@ -11,6 +11,7 @@ from emovid.scene.model import Scene
 from emovid.swarm import start
 from emovid.swarm.clearance import room_on_stage
 from emovid.swarm.laws import followed_points, start_angles
+from emovid.swarm.simulate import simulate
 from emovid.swarm.start import _most, start_poses
 from emovid.swarm.unicycle import look_ahead
 from tests.helpers.stages import HEXAGON, THIN, TRIANGLE, keys_of
@@ -76,6 +77,16 @@ def test_listed_poses_are_used_unchanged(make_scene) -> None:
     poses = [{"x": 0.1, "y": -0.2, "heading": 1.0}, {"x": 0.3, "y": 0.0}]
     scene = make_scene("fear", {"robots": 2, "start": {"place": "poses", "poses": poses}})
     assert start_poses(scene, rng()) == pytest.approx(np.array([[0.1, -0.2, 1.0], [0.3, 0.0, 0.0]]))
+
+
+def test_headings_are_within_half_a_turn_from_the_first_sample(make_scene) -> None:
+    poses = [{"x": 0.0, "y": 0.0, "heading": 1000.0}, {"x": 0.2, "y": 0.0, "heading": -np.pi}]
+    listed = make_scene("fear", {"start": {"place": "poses", "poses": poses}, "robots": 2, "duration": 0.1})
+    on_contour = make_scene("happiness", {"duration": 0.1, "robots": 5})
+    for scene in (listed, on_contour):
+        headings = simulate(scene).poses[..., 2]
+        assert ((headings > -np.pi) & (headings <= np.pi)).all()
+    assert np.cos(start_poses(listed, rng())[:, 2] - [1000.0, np.pi]) == pytest.approx([1, 1], abs=1e-12)
 
 
 def test_listed_bodies_may_not_overlap(make_scene) -> None:

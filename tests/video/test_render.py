@@ -25,6 +25,16 @@ def test_frame_k_shows_the_run_at_time_k_over_fps(make_scene) -> None:
     assert k == 19
 
 
+def test_a_window_and_another_speed_show_the_same_run(make_scene) -> None:
+    keys = {"video.begin": 0.4, "video.end": 1.6, "video.speed": 2}
+    run = simulate(make_scene("anger", SMALL | keys))
+    painter = Painter(run)
+    for k, frame in enumerate(frames(run)):
+        assert np.array_equal(frame, painter.frame(0.4 + 2 * k / 10))
+    assert k == 5  # 1.2 s of the run in 0.6 s
+    assert run.digest() == simulate(make_scene("anger", SMALL)).digest()
+
+
 def test_two_renders_give_identical_bytes(make_scene, tmp_path) -> None:
     for name in ("a", "b"):
         render_video(simulate(make_scene("anger", SMALL)), tmp_path / f"{name}.mp4")
