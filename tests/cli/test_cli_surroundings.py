@@ -181,7 +181,7 @@ def test_dash_as_output_prints_tables(capsysbinary) -> None:
         ("study simulate -o x.csv --participants 3", "--seed 2", "x.csv exists with other content"),
         ("export robotarium anger -o x.py", "--seed 5", "x.py exists with other content"),
         ("preview ring.yaml -o x.gif", "--set robots=4", "x.gif exists with other content"),
-        ("measure ring.yaml --only mean_speed -o x.csv", "--seed 2", "x.csv exists with other content"),
+        ("measure ring.yaml --only speed_mean -o x.csv", "--set robots=4", "x.csv exists with other content"),
     ],
 )
 def test_file_with_other_content_is_replaced_only_with_force(command, other, name, capsys) -> None:
