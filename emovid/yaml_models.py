@@ -1,7 +1,9 @@
 """Models of YAML files: groups of keys that pydantic validates, and one-line messages from its errors."""
 
 import json
+import re
 from collections.abc import Iterator, Mapping
+from math import isfinite
 from pathlib import Path
 from types import NoneType
 from typing import Any, Literal, get_args, get_origin
@@ -26,6 +28,11 @@ _WORDS: Mapping[KeyPath, str] = {
     ("robot", "limits"): "a group of keys, model or null",
 }
 _TRUTHS = {"yes": "true", "on": "true", "1": "true", "no": "false", "off": "false", "0": "false"}
+_UNITS = {"": 1, "s": 1, "ms": 1e-3, "m": 1, "cm": 1e-2, "mm": 1e-3, "fps": 1}  # that are typed behind numbers
+# Not 1,234, which may be a thousand.
+_NUMBER = re.compile(
+    r"\s*(?P<number>[-+]?(0,\d+|\d[\d_]*,\d{1,2}|\d[\d_]*,\d{4,}|\d[\d_]*\.?\d*|\.\d+)([eE][-+]?\d+)?)\s*(?P<unit>s|ms|m|cm|mm|fps)?\s*"
+)
 _KINDS = {
     "float_type": "a number",
     "finite_number": "a finite number",
@@ -98,9 +105,25 @@ def _problem(item: Mapping[str, Any], root: type[BaseModel]) -> tuple[KeyPath, s
     if kind in _BOUNDS:
         bound, words = _BOUNDS[kind]
         return path, f"{_shown(given)}: expected {words} {context[bound]:g}"
-    hint = _TRUTHS.get(str(given).lower(), "") if kind == "bool_type" else ""
+    hint = _nearest_value(kind, path, str(given))
     words = _expected(kind, path, context, item["msg"])
     return path, f"{_shown(given)}: expected {words}{hint and f' (did you mean {hint}?)'}"
+
+
+def _nearest_value(kind: str, path: KeyPath, given: str) -> str:
+    """Return the nearest valid value to the text of one of another kind, such as 0.02 for 20 mm; "" if unclear."""
+    if kind == "bool_type":
+        return _TRUTHS.get(given.lower(), "")
+    if path == ("video", "size"):
+        sides = re.fullmatch(r"\s*(\d+)\D+(\d+)\s*", given)
+        return "x".join(f"{2 * round(int(side) / 2)}" for side in sides.groups()) if sides else ""
+    found = _NUMBER.fullmatch(given)
+    if kind not in ("float_type", "int_type") or not found or (found["unit"] == "m" and "duration" in path):
+        return ""
+    value = float(found["number"].replace("_", "").replace(",", ".")) * _UNITS[found["unit"] or ""]
+    if not isfinite(value):
+        return ""
+    return f"{value:.0f}" if kind == "int_type" else f"{value:.12g}"
 
 
 def _expected(kind: str, path: KeyPath, context: Mapping[str, Any], message: str) -> str:

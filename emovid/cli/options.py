@@ -40,7 +40,7 @@ def number(
             value = float("nan")
         bounds = [f"{word} {bound:g}" for word, bound in (("at least", least), ("at most", most)) if bound is not None]
         if not isfinite(value):
-            raise InputError(f"{option} {text}: expected {' '.join([kind, *bounds])}")
+            raise InputError(f"{option} {text}: expected {', '.join([kind, ' and '.join(bounds)]).removesuffix(', ')}")
         nearest = max(value if least is None else least, min(value, value if most is None else most))
         if value != nearest:
             hint = value / 100 if most == 1 and 1 < value <= 100 else nearest

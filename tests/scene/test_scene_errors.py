@@ -200,6 +200,14 @@ def test_too_large_scene_file_is_refused(capsys, tmp_path):
         (["--set", "video.colours.trails.5=#112233"], "--set video.colours.trails.5=#112233: video.colours.trails.5: "
                                                       "there is nothing at 5 to set"),
         (["--set", "robot=8"], "--set robot=8: robot: 8: expected a group of keys"),
+        (["--set", "robot.l=20 mm"], "--set robot.l=20 mm: robot.l: '20 mm': expected a number (did you mean 0.02?)"),
+        (["--set", "duration=2,5"], "--set duration=2,5: duration: '2,5': expected a number (did you mean 2.5?)"),
+        (["--set", "duration=1,500"], "--set duration=1,500: duration: '1,500': expected a number"),
+        (["--set", "duration=1m"], "--set duration=1m: duration: '1m': expected a number"),
+        (["--set", "robots=1e1"], "--set robots=1e1: robots: 10.0: expected a whole number (did you mean 10?)"),
+        (["--set", "robots=1e999"], "--set robots=1e999: robots: inf: expected a whole number"),
+        (["--size", "1920 X 1079"], "--size 1920 X 1079: video.size: '1920 X 1079': expected width x height in pixels, "
+                                    "as in 1280x720 (did you mean 1920x1080?)"),
         (["--set", "duration="], "--set duration=: duration: empty: expected a number"),
         (["--set", "robot.K=4", "--set", "seed=-1"], "--set seed=-1: seed: -1: expected at least 0"),
         (["--set", "stage={}"], "--set stage={}: stage.width: missing (extent along x [m])"),
