@@ -25,7 +25,7 @@ def names(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
-def test_leftovers_of_a_dead_process_with_our_number_are_removed(tmp_path) -> None:
+def test_leftovers_of_a_dead_process_with_the_same_number_are_removed(tmp_path) -> None:
     # In a container, a killed command and the next one often have the same number.
     left = tmp_path / f".x.{former()}.part"
     left.mkdir()
@@ -48,7 +48,7 @@ def test_only_leftovers_of_dead_processes_are_removed(tmp_path, dead) -> None:
 
 
 @pytest.mark.parametrize("owner", [ELSEWHERE, "a-host-17"])  # the second as 0.1.0 wrote it
-def test_a_file_of_another_machine_counts_as_unfinished_for_a_day(tmp_path, owner) -> None:
+def test_file_of_another_machine_counts_as_unfinished_for_a_day(tmp_path, owner) -> None:
     file = tmp_path / f".x.mp4.{owner}.part"
     file.touch()
     assert is_written(file)
@@ -58,7 +58,7 @@ def test_a_file_of_another_machine_counts_as_unfinished_for_a_day(tmp_path, owne
     assert is_written(file)  # it has just been renamed
 
 
-def test_a_file_is_left_as_it_is_if_it_says_this_already(tmp_path) -> None:
+def test_file_with_equal_content_is_not_rewritten(tmp_path) -> None:
     file = tmp_path / "x.csv"
     replace_if_changed(file, b"1")
     os.utime(file, (0, 0))
@@ -68,7 +68,7 @@ def test_a_file_is_left_as_it_is_if_it_says_this_already(tmp_path) -> None:
     assert file.read_bytes() == b"2"
 
 
-def test_files_that_cannot_be_written_or_read_give_one_line(tmp_path) -> None:
+def test_unreadable_and_unwritable_files_give_a_one_line_message(tmp_path) -> None:
     (tmp_path / "folder").mkdir()
     with pytest.raises(EmovidError, match=r"folder: cannot be written: is a directory"):
         replace_if_changed(tmp_path / "folder", b"1")
@@ -92,7 +92,7 @@ def test_an_error_keeps_the_old_folder(tmp_path) -> None:
     assert names(tmp_path / "x") == ["old"]
 
 
-def test_a_folder_that_vanishes_before_it_is_whole_leaves_the_old_one(tmp_path) -> None:
+def test_folder_that_vanishes_during_writing_keeps_the_old_one(tmp_path) -> None:
     (tmp_path / "x").mkdir()
     (tmp_path / "x" / "old").touch()
     with pytest.raises(EmovidError, match="x: cannot be written: no such file"), whole_folder(tmp_path / "x") as part:
@@ -118,7 +118,7 @@ def test_a_process_is_found_on_a_system_without_proc(tmp_path, monkeypatch) -> N
     assert is_written(tmp_path / f".x.{PARENT}.part")
 
 
-def test_the_digest_of_a_folder_is_of_names_and_contents(tmp_path) -> None:
+def test_folder_digest_depends_on_names_and_contents(tmp_path) -> None:
     digests = set()
     for name, content in (("a", b"1"), ("b", b"1"), ("a", b"2"), ("a", b"1")):
         folder = tmp_path / f"{len(names(tmp_path))}"
@@ -180,7 +180,7 @@ while ended != 0:
 
 
 @pytest.mark.parametrize("how", ["exchange", "renames"])
-def test_the_old_or_the_new_is_whole_after_a_kill_at_any_line(how, tmp_path) -> None:
+def test_kill_at_any_line_leaves_a_complete_old_or_new_file(how, tmp_path) -> None:
     done = subprocess.run([sys.executable, "-c", KILLED, how], cwd=tmp_path, capture_output=True, text=True, check=True)
     states = done.stdout.splitlines()
     assert len(states) > 50
@@ -188,7 +188,7 @@ def test_the_old_or_the_new_is_whole_after_a_kill_at_any_line(how, tmp_path) -> 
     assert states == sorted(states, key=["old old old", "new old old", "new new new"].index)
 
 
-def test_a_link_stays_and_its_target_is_replaced(tmp_path) -> None:
+def test_symbolic_link_is_kept_and_its_target_replaced(tmp_path) -> None:
     (tmp_path / "disk" / "pictures").mkdir(parents=True)
     (tmp_path / "disk" / "pictures" / "old").touch()
     (tmp_path / "out").mkdir()
@@ -204,7 +204,7 @@ def test_a_link_stays_and_its_target_is_replaced(tmp_path) -> None:
     assert names(tmp_path / "disk" / "pictures") == ["new"]
 
 
-def test_a_linked_leftover_is_removed_and_its_folder_kept(tmp_path) -> None:
+def test_symbolic_link_leftover_is_removed_and_its_target_kept(tmp_path) -> None:
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "text").touch()
     (tmp_path / f".x.{DEAD}.part").symlink_to("mine")
@@ -222,7 +222,7 @@ def test_a_private_file_stays_private(tmp_path) -> None:
     assert file.stat().st_mode & 0o777 == 0o600
 
 
-def test_everything_is_on_disk_before_it_gets_its_name(tmp_path, monkeypatch) -> None:
+def test_data_are_synced_before_the_rename(tmp_path, monkeypatch) -> None:
     done: list[str] = []
     sync, replace = os.fsync, Path.replace
 

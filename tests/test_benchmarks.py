@@ -29,7 +29,7 @@ def test_every_benchmark_has_its_section(runner) -> None:
     assert scripts - {"__main__", "processes"} == set(runner.shipped)
 
 
-def test_results_say_how_they_were_made(runner) -> None:
+def test_results_record_how_they_were_made(runner) -> None:
     runner.main(["one"])
     text = runner.results.read_text()
     assert "## First\n\n`python benchmarks/one.py`, 20" in text
@@ -39,7 +39,7 @@ def test_results_say_how_they_were_made(runner) -> None:
     assert "Second" not in text
 
 
-def test_what_is_written_by_hand_is_kept_and_other_sections_stay(runner) -> None:
+def test_handwritten_text_and_other_sections_are_kept(runner) -> None:
     runner.main(["one"])
     with pytest.raises(SystemExit, match="failed: two"):
         runner.main(["two"])
@@ -57,7 +57,7 @@ def test_an_unknown_benchmark_is_named(runner) -> None:
     assert not runner.results.exists()
 
 
-def test_a_process_costs_what_it_takes() -> None:
+def test_cost_of_a_process_is_measured_and_failures_are_raised() -> None:
     cost = runpy.run_path(str(BENCHMARKS / "processes.py"))["cost"]
     code = "import sys; size = len(bytearray(200 * 2**20)); assert sys.stdin.read() == 'given'"
     used = cost([sys.executable, "-c", code], given=[b"gi", b"ven"])

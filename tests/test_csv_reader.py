@@ -25,34 +25,34 @@ def written(rows, **how) -> str:
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252"])
 @pytest.mark.parametrize("delimiter", [",", ";", "\t"])
 @pytest.mark.parametrize("eol", ["\n", "\r\n", "\r"])
-def test_every_encoding_delimiter_and_line_end(encoding, delimiter, eol) -> None:
+def test_every_encoding_delimiter_and_line_end_is_read(encoding, delimiter, eol) -> None:
     rows = [*ROWS, *[["filler", "text"]] * 20]
     assert cells(written(rows, delimiter=delimiter, lineterminator=eol).encode(encoding)) == rows
 
 
-def test_files_of_two_encodings_pasted_together() -> None:
+def test_rows_in_two_encodings_are_read() -> None:
     assert cells("a,b\nZoë,1\n".encode() + "Zoë,2\n".encode("cp1252")) == [["a", "b"], ["Zoë", "1"], ["Zoë", "2"]]
 
 
-def test_a_sep_line_wins_over_what_the_rows_look_like() -> None:
+def test_sep_line_overrides_the_detected_delimiter() -> None:
     table = read_table(b"sep=;\r\na,x;b\r\n1,2;3\r\n", "f.csv")
     assert table.names == ("a,x", "b")
     assert table.lines.tolist() == [3]
 
 
 @pytest.mark.parametrize("first", ["SEP=;", '"sep=;"', "sep=;;;", "\ufeffsep=; "])
-def test_a_sep_line_is_known_however_a_spreadsheet_kept_it(first) -> None:
+def test_sep_line_is_recognized_in_all_spreadsheet_variants(first) -> None:
     table = read_table(f"{first}\n1,5;b\n1,2;3\n".encode(), "f.csv")
     assert (table.names, table.lines.tolist()) == (("1,5", "b"), [3])
 
 
-def test_lines_are_those_of_the_file() -> None:
+def test_line_numbers_refer_to_the_file() -> None:
     table = read_table(b'\na,b\n\n"1\n1",2\n3,4\n,\n5,6\n', "f.csv")
     assert table.cells.to_numpy().tolist() == [["1\n1", "2"], ["3", "4"], ["5", "6"]]
     assert table.lines.tolist() == [4, 6, 8]
 
 
-def test_trailing_commas_mean_nothing() -> None:
+def test_trailing_delimiters_are_ignored() -> None:
     assert cells(b"a,b,\n1,2,\n3,4,\n") == [["a", "b"], ["1", "2"], ["3", "4"]]
     assert cells(b"a,b\n1,2,,\n3,4\n") == [["a", "b"], ["1", "2"], ["3", "4"]]
 
@@ -79,12 +79,12 @@ def test_ragged_rows_are_rejected_with_their_line() -> None:
         (b'say "hi","2"', ['say "hi"', "2"]),
     ],
 )
-def test_quotes_as_tools_write_them(row, expected) -> None:
+def test_quoting_styles_of_tools_are_read(row, expected) -> None:
     found = cells(b'a,b\n"1",5" disk\n' + row + b"\n9,9\n")
     assert found == [["a", "b"], ["1", '5" disk'], *([expected] if expected else []), ["9", "9"]]
 
 
-def test_a_quote_that_never_closes_costs_its_row_alone() -> None:
+def test_unclosed_quote_affects_only_its_row() -> None:
     table = read_table(b'a,b\n1,2\n"3,4\n5,6\n', "f.csv")
     assert table.cells.to_numpy().tolist() == [["1", "2"], ['"3', "4"], ["5", "6"]]
     assert table.lines.tolist() == [2, 3, 4]
@@ -107,18 +107,18 @@ def test_files_that_are_not_tables_are_refused(data, message) -> None:
     assert str(error.value) == message
 
 
-def test_a_cell_of_several_lines_is_one_beside_quotes_that_do_not_pair() -> None:
+def test_multiline_cell_is_read_next_to_unpaired_quotes() -> None:
     table = read_table(b'a,b\n5" disk,x\n7,"1\n1"\n3,4\n', "f.csv")
     assert table.cells.to_numpy().tolist() == [['5" disk', "x"], ["7", "1\n1"], ["3", "4"]]
     assert table.lines.tolist() == [2, 3, 5]
 
 
-def test_more_columns_than_any_survey_has_are_refused() -> None:
+def test_too_many_columns_are_refused() -> None:
     with pytest.raises(SourceError, match=r"f.csv: 20001 columns; expected a table of at most 20000"):
         read_table(b"a" + b",a" * 20_000 + b"\n", "f.csv")
 
 
-def test_a_row_that_opens_the_file_with_a_stray_quote_is_a_line() -> None:
+def test_stray_quote_in_the_first_row_is_text() -> None:
     assert cells(b'"a,b\n1,2\n3,4\n') == [['"a', "b"], ["1", "2"], ["3", "4"]]
 
 
@@ -144,13 +144,13 @@ def test_a_hundred_thousand_rows_are_read(stray) -> None:
     assert len(read_table(data, "f.csv").lines) == 100_000 + bool(stray)
 
 
-def test_a_stray_quote_in_every_row_is_no_reason_to_read_on_and_on() -> None:
+def test_stray_quotes_in_every_row_are_read_in_linear_time() -> None:
     table = read_table(b"a,b\n" + b'"x,"y\n' * 30_000, "f.csv")  # hours, if each looked for its end
     assert table.cells.to_numpy().tolist() == 30_000 * [['"x', '"y']]
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
-def test_a_carriage_return_within_a_cell_ends_no_row(end) -> None:
+def test_carriage_return_within_a_cell_does_not_end_the_row(end) -> None:
     rows = ["a,b", '1,"two\rlines"', "2,bare\rreturn", "3,4", ""]
     assert cells(end.join(rows).encode()) == [["a", "b"], ["1", "two lines"], ["2", "bare return"], ["3", "4"]]
 

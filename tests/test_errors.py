@@ -19,13 +19,13 @@ def _ours(monkeypatch):
         yield
 
 
-def test_a_warning_is_one_line(capsys) -> None:
+def test_warnings_are_one_line(capsys) -> None:
     warnings.warn("mind the gap", UserWarning, stacklevel=1)
     warnings.warn("mind the gap", UserWarning, stacklevel=1)
     assert capsys.readouterr().err == 2 * "warning: mind the gap\n"
 
 
-def test_letters_that_the_font_lacks_are_said_once(capsys) -> None:
+def test_missing_glyphs_are_reported_once(capsys) -> None:
     figure = Figure()
     figure.text(0, 0, "幸福", family="DejaVu Sans")
     figure.text(0, 1, "悲伤", family="DejaVu Sans")

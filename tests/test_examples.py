@@ -20,7 +20,7 @@ MADE = {
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=[path.stem for path in EXAMPLES])
-def test_an_example_runs_as_it_stands(example, tmp_path, monkeypatch, capsys) -> None:
+def test_examples_run_unchanged(example, tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     given = []
     if "responses.csv" in example.read_text():
@@ -36,7 +36,7 @@ def test_an_example_runs_as_it_stands(example, tmp_path, monkeypatch, capsys) ->
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=[path.stem for path in EXAMPLES])
-def test_an_example_is_short_and_has_a_docstring(example) -> None:
+def test_examples_are_short_and_have_a_docstring(example) -> None:
     lines = example.read_text().splitlines()
     assert len(lines) < 30
     assert lines[0].startswith('"""')

@@ -20,7 +20,7 @@ def numbers(line: str) -> list[float]:
 
 
 @pytest.mark.parametrize("name", ["fear", "disgust", "anger"])
-def test_the_table_of_angular_scenes_is_theirs(name: str) -> None:
+def test_table_of_angular_scenes_matches_the_scenes(name: str) -> None:
     scene = load_scene(name)
     law, robot = scene.behaviour, scene.robot
     assert isinstance(law, Coverage)
@@ -36,7 +36,7 @@ def test_the_table_of_angular_scenes_is_theirs(name: str) -> None:
 
 
 def progress(gain: float) -> float:
-    """Return the mean speed of many robots towards a far place, over K |u|: Appendix B under held commands."""
+    """Return the mean speed of many robots toward a far place, over K |u|: Appendix B under held commands."""
     rng = np.random.default_rng(0)
     error, way = rng.uniform(-np.pi, np.pi, 4000), 0.0
     for _ in range(300):
@@ -47,7 +47,7 @@ def progress(gain: float) -> float:
     return way / 300
 
 
-def test_the_bands_of_the_gain_are_as_the_table_says() -> None:
+def test_gain_ranges_match_the_table() -> None:
     assert progress(0.8) > 0.97
     assert progress(1.8) > 0.95
     assert all(abs(progress(gain)) < 0.05 for gain in (3.1, 3.3, 3.5, 6.4, 6.6, 6.8))
@@ -60,7 +60,7 @@ def test_the_bands_of_the_gain_are_as_the_table_says() -> None:
     ("name", "key", "times", "tolerance"),
     [("happiness", "l", 0.5, 0.01), ("surprise", "K", 2, 0.01), ("fear", "l", 2, 0.2)],
 )
-def test_the_numbers_of_the_sensitivity_are_measured(name: str, key: str, times: float, tolerance: float) -> None:
+def test_sensitivity_numbers_match_measurements(name: str, key: str, times: float, tolerance: float) -> None:
     text = (DOCS / "sensitivity.md").read_text()
     header = next(line for line in text.splitlines() if line.startswith("| emotion"))
     columns = [cell.strip() for cell in header.strip("|").split("|")][3:]

@@ -34,18 +34,18 @@ def commands(first_word: str) -> list[str]:
     return [line.split("#")[0].strip() for line in lines]
 
 
-def test_imports_run_one_way_through_the_rooms() -> None:
+def test_package_imports_follow_the_layers() -> None:
     assert "0 broken" in run("lint-imports").stdout
 
 
-def test_every_make_command_of_the_readme_exists() -> None:
+def test_make_commands_of_the_readme_exist() -> None:
     named = {*commands("make"), *re.findall(r"`(make [a-z-]+)`", README)}
     assert {"make all-videos", "make test", "make study", "make bench"} <= named
     for command in named:
         run(*command.split(), "--dry-run")
 
 
-def test_the_readme_s_python_runs(tmp_path) -> None:
+def test_python_examples_of_the_readme_run(tmp_path) -> None:
     (block,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
     (tmp_path / "responses.csv").write_bytes((ROOT / "studies/santos-egerstedt/responses.csv").read_bytes())
     run(sys.executable, "-c", block, cwd=tmp_path)
@@ -66,17 +66,17 @@ def test_contributing_names_files_and_make_commands_that_exist() -> None:
         run(*command.split(), "--dry-run")
 
 
-def test_the_picture_of_the_architecture_shows_the_imports_of_the_code(tmp_path) -> None:
+def test_architecture_picture_shows_the_actual_imports(tmp_path) -> None:
     run(sys.executable, str(ROOT / "docs" / "make_architecture.py"), str(tmp_path / "now.svg"))
     shown = ROOT / "docs" / "pictures" / "architecture.svg"
     assert (tmp_path / "now.svg").read_text() == shown.read_text(), "run make readme"
 
 
-def test_the_readme_counts_the_claims() -> None:
+def test_readme_states_the_number_of_claims() -> None:
     assert f"{len(CLAIMS)} claims" in README
 
 
-def test_the_picture_of_the_readme_is_what_the_scenes_look_like_now(tmp_path) -> None:
+def test_readme_picture_matches_the_current_scenes(tmp_path) -> None:
     run(sys.executable, str(ROOT / "docs" / "make_picture.py"), str(tmp_path / "now.webp"))
     pictures = [Image.open(path) for path in (ROOT / "docs" / "six-emotions.webp", tmp_path / "now.webp")]
     assert [picture.n_frames for picture in pictures] == [80, 80]
@@ -88,13 +88,13 @@ def test_the_picture_of_the_readme_is_what_the_scenes_look_like_now(tmp_path) ->
         assert np.abs(shown - now).mean() < 3, "run make readme"
 
 
-def test_the_versions_agree() -> None:
+def test_version_numbers_agree() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     assert yaml.safe_load((ROOT / "CITATION.cff").read_text())["version"] == project["version"]
     assert run(sys.executable, "-m", "emovid", "--version").stdout == f"emovid {project['version']}\n"
 
 
-def test_constraints_pin_every_package_and_name_no_address() -> None:
+def test_constraints_pin_every_package_without_urls() -> None:
     lines = (ROOT / "constraints.txt").read_text().splitlines()
     assert all(re.fullmatch(r"[A-Za-z0-9_.-]+==[0-9][0-9a-z.]*", line) for line in lines)
     pinned = {line.split("==")[0].lower().replace("_", "-") for line in lines}
@@ -154,7 +154,7 @@ def test_an_installed_wheel_works_in_an_empty_folder(venv, tmp_path) -> None:
     assert {"my.yaml", "previews/my.gif", "figures/accuracy-gender.svg"} <= made
 
 
-def test_a_wheel_carries_the_scenes_and_the_types_and_no_tests(wheel) -> None:
+def test_wheel_contains_scenes_and_types_but_no_tests(wheel) -> None:
     with zipfile.ZipFile(wheel) as archive:
         files = set(archive.namelist())
     assert {"emovid/configs/anger.yaml", "emovid/py.typed", "emovid/cli/main.py"} <= files
@@ -166,7 +166,7 @@ def test_a_wheel_carries_the_scenes_and_the_types_and_no_tests(wheel) -> None:
     assert {name for name in ours if "__pycache__" not in name} <= files
 
 
-def test_no_two_modules_of_the_tests_have_one_name() -> None:
+def test_module_names_of_tests_are_unique() -> None:
     """Pytest imports them by their names alone; two of one name are an error that only a run of all shows."""
     names = Counter(path.name for path in Path(__file__).parent.rglob("test_*.py"))
     assert [name for name, count in names.items() if count > 1] == []

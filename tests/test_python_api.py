@@ -18,7 +18,7 @@ TINY = {"duration": 0.4, "video.size": "96x64", "video.fps": 5}
 REFERENCE = ROOT / "studies" / "santos-egerstedt" / "responses.csv"
 
 
-def test_every_public_function_is_documented_and_every_documented_one_exists() -> None:
+def test_documented_functions_are_exactly_the_public_ones() -> None:
     assert {name for name, _ in SIGNATURES} | {"EmovidError", "InputError", "Trajectory", "__version__"} == set(
         emovid.__all__
     )
@@ -26,7 +26,7 @@ def test_every_public_function_is_documented_and_every_documented_one_exists() -
 
 
 @pytest.mark.parametrize(("name", "parameters"), SIGNATURES)
-def test_a_documented_signature_is_that_of_the_function(name, parameters) -> None:
+def test_documented_signatures_match_the_functions(name, parameters) -> None:
     found = inspect.signature(getattr(emovid, name)).parameters
     for said in parameters.split(", "):
         parameter, _, default = said.partition("=")
@@ -37,11 +37,11 @@ def test_a_documented_signature_is_that_of_the_function(name, parameters) -> Non
             assert found[parameter].default is inspect.Parameter.empty
 
 
-def test_the_version_is_that_of_the_package() -> None:
+def test_version_matches_the_package() -> None:
     assert re.fullmatch(r"\d+\.\d+\.\d+.*", emovid.__version__)
 
 
-def test_reprs_are_one_short_line() -> None:
+def test_reprs_are_a_single_short_line() -> None:
     scene = emovid.load_scene("fear", {"duration": 1})
     run, responses = emovid.simulate(scene), emovid.read_responses(REFERENCE)
     for value, said in (
@@ -53,7 +53,7 @@ def test_reprs_are_one_short_line() -> None:
         assert repr(value) == said
 
 
-def test_numbers_of_numpy_are_numbers() -> None:
+def test_numpy_numbers_are_accepted() -> None:
     seeds = [emovid.load_scene("fear", {"seed": seed}).seed for seed in np.arange(3)]
     assert seeds == [0, 1, 2]
     assert {type(seed) for seed in seeds} == {int}
@@ -64,7 +64,7 @@ def test_numbers_of_numpy_are_numbers() -> None:
     assert list(scene.snapshot_times) == [0.0, 1.0]
 
 
-def test_the_wrong_kind_of_value_is_one_line() -> None:
+def test_wrong_argument_type_gives_a_one_line_message() -> None:
     with pytest.raises(emovid.InputError, match=r"^simulate: 'fear' is no scene; expected one such as load_scene"):
         emovid.simulate("fear")
     with pytest.raises(emovid.InputError, match=r"^analyze: 'x.csv' is no Responses; expected those of read_respon"):
@@ -72,7 +72,7 @@ def test_the_wrong_kind_of_value_is_one_line() -> None:
 
 
 @pytest.mark.parametrize("name", ["a.gif", "a.avi", "a.webm"])
-def test_a_video_is_not_written_under_the_name_of_another_format(name, tmp_path) -> None:
+def test_render_refuses_a_suffix_of_another_format(name, tmp_path) -> None:
     run = emovid.simulate(emovid.load_scene("fear", TINY))
     with pytest.raises(emovid.InputError, match=r"cannot write .*; expected .mp4, or a scene whose video.format is"):
         emovid.render_video(run, tmp_path / name)
@@ -98,14 +98,14 @@ def test_simulated_responses_can_be_analyzed(tmp_path) -> None:
     assert matrix.to_numpy().trace() == matrix.to_numpy().sum() == 72
 
 
-def test_the_reference_study_s_matrix_has_its_labels() -> None:
+def test_reference_study_matrix_has_its_labels() -> None:
     matrix = emovid.confusion_table(emovid.analyze(emovid.read_responses(REFERENCE)))
     assert matrix.loc["surprise", "happiness"] == 5  # perceived surprise of the video of happiness, Table III
     assert matrix.loc["happiness", "surprise"] == 8
     assert list(matrix.columns) == list(matrix.index)
 
 
-def test_a_study_is_planned_and_its_kit_built(tmp_path) -> None:
+def test_study_is_planned_and_its_kit_built(tmp_path) -> None:
     assert emovid.plan_study(rate=0.5).n == emovid.plan_study(0.5, 6, 6, 0.05, 0.8).n
     with pytest.raises(emovid.InputError, match="not above the chance"):
         emovid.plan_study(rate=0.1)

@@ -22,7 +22,7 @@ def number(request):
     signal.signal(request.param, before)
 
 
-def test_a_held_signal_acts_when_the_block_is_left(number) -> None:
+def test_held_signal_is_raised_at_the_end_of_the_block(number) -> None:
     done = []
 
     @held_signals()
@@ -37,7 +37,7 @@ def test_a_held_signal_acts_when_the_block_is_left(number) -> None:
         signal.raise_signal(number)
 
 
-def test_a_held_signal_acts_when_the_outermost_block_is_left(number) -> None:
+def test_held_signal_is_raised_at_the_end_of_the_outermost_block(number) -> None:
     done = []
 
     @held_signals()
@@ -51,7 +51,7 @@ def test_a_held_signal_acts_when_the_outermost_block_is_left(number) -> None:
     assert done == ["the rest"]
 
 
-def test_a_held_signal_comes_before_an_error(number) -> None:
+def test_held_signal_takes_precedence_over_an_error(number) -> None:
     @held_signals()
     def fail() -> None:
         signal.raise_signal(number)
@@ -61,7 +61,7 @@ def test_a_held_signal_comes_before_an_error(number) -> None:
         fail()
 
 
-def test_other_threads_have_no_signals_to_hold(number) -> None:
+def test_holding_signals_in_other_threads_has_no_effect(number) -> None:
     inside, over = threading.Event(), threading.Event()
 
     def hold() -> None:

@@ -23,7 +23,7 @@ def unpacked(tmp_path_factory) -> Path:
     return folder / archive.name.removesuffix(".tar.gz")
 
 
-def test_it_has_every_file_of_the_repository(unpacked) -> None:
+def test_source_archive_has_every_file_of_the_repository(unpacked) -> None:
     git = shutil.which("git")
     if not git or not (ROOT / ".git").exists():
         pytest.skip("this is not a repository")
@@ -32,7 +32,7 @@ def test_it_has_every_file_of_the_repository(unpacked) -> None:
 
 
 @pytest.mark.parametrize("target", ["all-videos", "test", "figures", "docs"])
-def test_its_make_targets_have_what_they_need(unpacked, target) -> None:
+def test_make_targets_of_the_source_archive_have_their_files(unpacked, target) -> None:
     make = shutil.which("make")
     assert make
     subprocess.run([make, target, "--dry-run"], cwd=unpacked, capture_output=True, check=True)

@@ -20,7 +20,7 @@ STEPS = WORKFLOW["jobs"]["videos"]["steps"]
 LINES = [line for step in STEPS for line in step.get("run", "").splitlines()]
 
 
-def test_it_has_the_parts_of_a_workflow() -> None:
+def test_example_workflow_has_the_required_parts() -> None:
     assert set(WORKFLOW) == {"name", "on", "concurrency", "permissions", "jobs"}
     assert set(WORKFLOW["on"]) == {"push", "pull_request", "workflow_dispatch"}
     assert WORKFLOW["on"]["push"] == {"branches": ["main"]}  # so that a pull request runs it once, not twice
@@ -31,19 +31,19 @@ def test_it_has_the_parts_of_a_workflow() -> None:
     assert all(re.fullmatch(r"actions/[a-z-]+@v\d+", step["uses"]) for step in STEPS if "uses" in step)
 
 
-def test_it_caches_and_keeps_the_videos() -> None:
+def test_example_workflow_caches_and_uploads_the_videos() -> None:
     uses = {step["uses"].split("@")[0]: step for step in STEPS if "uses" in step}
     assert uses["actions/cache"]["with"]["path"] == uses["actions/upload-artifact"]["with"]["path"] == "videos"
     assert uses["actions/upload-artifact"]["if"] == "always()"  # also the changed ones
 
 
-def test_it_uses_the_oldest_python_that_we_support() -> None:
+def test_example_workflow_uses_the_oldest_supported_python() -> None:
     (setup,) = (step["with"] for step in STEPS if step.get("uses", "").startswith("actions/setup-python"))
     assert f'requires-python = ">={setup["python-version"]}"' in (ROOT / "pyproject.toml").read_text()
 
 
 @pytest.mark.parametrize("line", LINES)
-def test_each_command_is_known(line) -> None:
+def test_commands_of_the_example_workflow_exist(line) -> None:
     program, *words = shlex.split(line.replace("*.yaml", "a.yaml"))
     if program in ("pip", "git"):
         return
@@ -82,7 +82,7 @@ def run(folder: Path) -> int:
     return shell(folder, "\n".join(lines)).returncode
 
 
-def test_it_passes_for_unchanged_scenes_and_fails_for_changed_ones(repository) -> None:
+def test_example_workflow_passes_for_unchanged_scenes_and_fails_for_changed_ones(repository) -> None:
     assert run(repository) == 0
     scene = repository / "scenes" / "calm.yaml"
     scene.write_text(re.sub(r"(?m)^seed: \d+", "seed: 99", scene.read_text()))

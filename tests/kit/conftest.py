@@ -11,7 +11,7 @@ from tests.helpers.tiny import make_kit
 
 @pytest.fixture(scope="session")
 def fresh(tmp_path_factory) -> Path:
-    """Build a small kit, which no test may change."""
+    """Build a small kit that tests must not change."""
     folder = tmp_path_factory.mktemp("fresh")
     make_kit(folder)
     return folder / "kit"
@@ -24,7 +24,7 @@ def kit(fresh, tmp_path) -> Path:
 
 
 def once_per_content(function):
-    """Run a function of a video file once for each content, since audits of many kits decode the same videos."""
+    """Cache a function of a video file by content, since audits of many kits decode the same videos."""
     paths: dict[str, Path] = {}
 
     @cache
@@ -40,7 +40,7 @@ def once_per_content(function):
 
 @pytest.fixture(scope="session", autouse=True)
 def decode_each_video_once():
-    """Keep results of decoding for the session."""
+    """Cache decoded videos for the session."""
     with pytest.MonkeyPatch.context() as patch:
         for name in ("_decoded", "_decoding_problem"):
             patch.setattr(videos, name, once_per_content(getattr(videos, name)))

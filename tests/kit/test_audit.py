@@ -1,4 +1,4 @@
-"""Each kind of leak is planted and found; nothing is found in a fresh kit."""
+"""Each kind of leak is planted and found; a new kit has no findings."""
 
 import hashlib
 import json
@@ -24,7 +24,7 @@ from tests.helpers.tiny import LABELS, SEED, STUDY, Silent, make_kit, write_stud
 
 
 class Found(set):
-    """The checks that find something, and what they say."""
+    """The checks with findings, and their messages."""
 
     def __init__(self, kit: Path, **how) -> None:
         findings = audit(kit, **how).findings
@@ -46,7 +46,7 @@ def change_manifest(kit: Path, change) -> None:
 
 
 def replace_video(kit: Path, video: Path, data: bytes) -> None:
-    """Put other bytes in the place of a video, and let the manifest describe them."""
+    """Replace the bytes of a video, and update the manifest."""
     video.write_bytes(data)
 
     def describe(manifest) -> None:
@@ -57,7 +57,7 @@ def replace_video(kit: Path, video: Path, data: bytes) -> None:
     change_manifest(kit, describe)
 
 
-def test_nothing_is_found_in_a_fresh_kit(fresh) -> None:
+def test_new_kit_has_no_findings(fresh) -> None:
     result = audit(fresh)
     assert [str(finding) for finding in result.findings] == []
     assert set(result.checks.values()) == {0}
@@ -65,16 +65,16 @@ def test_nothing_is_found_in_a_fresh_kit(fresh) -> None:
 
 
 @pytest.mark.parametrize(("scheme", "participants"), [("random", 7), ("latin", 25), ("williams", 1), ("williams", 45)])
-def test_nothing_is_found_whatever_scheme_and_participants(tmp_path, scheme, participants) -> None:
+def test_new_kit_has_no_findings_for_any_scheme_and_number_of_participants(tmp_path, scheme, participants) -> None:
     text = STUDY + f"orders: {{scheme: {scheme}}}\n"
     make_kit(tmp_path, text, participants=participants)
     assert audit(tmp_path / "kit").findings == ()
 
 
-# --- names, times, files ---------------------------------------------------------------------------------------------
+# --- names, times, files ----------------------------------------------------------------------------------------------
 
 
-def test_a_video_called_by_its_emotion(kit) -> None:
+def test_audit_finds_a_video_named_after_its_emotion(kit) -> None:
     video = a_video(kit)
     shutil.copy(video, video.with_name("fear.mp4"))
     set_times(kit / "public")
@@ -83,13 +83,13 @@ def test_a_video_called_by_its_emotion(kit) -> None:
     assert "public/videos/fear.mp4: names an emotion: fear" in found.text
 
 
-def test_a_folder_called_by_a_word_for_an_emotion(kit) -> None:
+def test_audit_finds_a_folder_named_after_an_emotion(kit) -> None:
     (kit / "public" / "angry_swarm").mkdir()
     set_times(kit / "public")
     assert Found(kit) == {"files", "names"}
 
 
-def test_codes_that_were_chosen_by_hand(kit) -> None:
+def test_audit_finds_codes_chosen_by_hand(kit) -> None:
     video = a_video(kit)
     video.rename(video.with_name("v1.mp4"))
     change_manifest(kit, lambda m: [
@@ -98,12 +98,12 @@ def test_codes_that_were_chosen_by_hand(kit) -> None:
     assert {"names", "key", "orders"} <= Found(kit)
 
 
-def test_a_video_with_a_time_of_its_own(kit) -> None:
+def test_audit_finds_a_video_with_a_different_modification_time(kit) -> None:
     os.utime(a_video(kit), (1_700_000_000, 1_700_000_000))
     assert Found(kit) == {"times"}
 
 
-def test_a_copy_without_its_times_is_told_its_remedies_and_they_help(fresh, tmp_path) -> None:
+def test_audit_of_a_copy_with_new_times_names_working_remedies(fresh, tmp_path) -> None:
     for how in ("-r", "-a"):
         subprocess.run(["cp", how, fresh, tmp_path / how[1:]], check=True)  # noqa: S607 - whichever cp one has
     assert audit(tmp_path / "a").findings == ()
@@ -114,37 +114,37 @@ def test_a_copy_without_its_times_is_told_its_remedies_and_they_help(fresh, tmp_
     assert audit(tmp_path / "r").findings == ()
 
 
-def test_a_kit_in_a_folder_that_looks_like_a_protocol(fresh, tmp_path, monkeypatch) -> None:
+def test_kit_in_a_folder_named_like_a_protocol_is_audited(fresh, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     shutil.copytree(fresh, "10:30")
     assert audit(Path("10:30")).findings == ()
 
 
-def test_a_file_that_is_no_part_of_the_kit(kit) -> None:
+def test_audit_finds_a_foreign_file(kit) -> None:
     (kit / "public" / "key.csv").write_bytes((kit / "private" / "key.csv").read_bytes())
     set_times(kit / "public")
     assert Found(kit) == {"files", "pages"}
 
 
-def test_a_link_into_the_private_folder(kit) -> None:
+def test_audit_finds_a_link_into_the_private_folder(kit) -> None:
     (kit / "public" / "videos.txt").symlink_to(kit / "private" / "map")
     assert "files" in Found(kit)
 
 
-def test_a_private_folder_that_others_can_read(kit) -> None:
+def test_audit_finds_a_private_folder_readable_by_others(kit) -> None:
     (kit / "private" / "key.csv").chmod(0o644)
     assert Found(kit) == {"permissions"}
     (kit / "private").chmod(0o755)
     assert len(audit(kit).findings) == 2
 
 
-def test_a_missing_video(kit) -> None:
+def test_audit_finds_a_missing_video(kit) -> None:
     a_video(kit).unlink()
     set_times(kit / "public")
     assert Found(kit) == {"files"}
 
 
-# --- text ------------------------------------------------------------------------------------------------------------
+# --- text -------------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -161,7 +161,7 @@ def test_a_missing_video(kit) -> None:
     ],
     ids=["attribute", "comment", "object", "json", "lines", "table", "nested", "synonym"],
 )
-def test_a_page_that_says_an_emotion_beside_a_code(kit, page) -> None:
+def test_audit_finds_an_emotion_next_to_a_code(kit, page) -> None:
     path = kit / "exports" / "jspsych" / "index.html"
     path.parent.mkdir(parents=True)
     path.write_text(page.replace("CODE", a_video(kit).stem))
@@ -170,7 +170,7 @@ def test_a_page_that_says_an_emotion_beside_a_code(kit, page) -> None:
     assert f"names an emotion beside {a_video(kit).stem}: fear" in found.text
 
 
-def test_a_page_with_the_list_of_answers_is_no_leak(kit) -> None:
+def test_list_of_answers_on_a_page_is_not_a_leak(kit) -> None:
     path = kit / "exports" / "mine" / "page.html"
     path.parent.mkdir(parents=True)
     answers = "".join(f"<option>{label}</option>" for label in LABELS)
@@ -178,7 +178,7 @@ def test_a_page_with_the_list_of_answers_is_no_leak(kit) -> None:
     assert Found(kit) == set()
 
 
-def test_a_preload_list_in_the_order_of_the_emotions(kit) -> None:
+def test_audit_finds_a_preload_list_in_emotion_order(kit) -> None:
     key = open_kit(kit).key
     in_order = sorted(key, key=lambda code: LABELS.index(key[code]))
     assert in_order != sorted(in_order)
@@ -190,19 +190,19 @@ def test_a_preload_list_in_the_order_of_the_emotions(kit) -> None:
     assert Found(kit) == set()
 
 
-def test_a_manifest_that_lists_videos_in_the_order_of_the_emotions(kit) -> None:
+def test_audit_finds_a_manifest_in_emotion_order(kit) -> None:
     key = open_kit(kit).key
     change_manifest(kit, lambda m: m["videos"].sort(key=lambda entry: LABELS.index(key[entry["code"]])))
     assert Found(kit) == {"names", "pages"}
 
 
-def test_a_manifest_with_the_emotions(kit) -> None:
+def test_audit_finds_emotions_in_the_manifest(kit) -> None:
     key = open_kit(kit).key
     change_manifest(kit, lambda m: [entry.update(emotion=key[entry["code"]]) for entry in m["videos"]])
     assert Found(kit) == {"manifest", "pages"}
 
 
-def test_a_manifest_with_a_number_for_each_emotion(kit) -> None:
+def test_audit_finds_numbers_that_identify_emotions_in_the_manifest(kit) -> None:
     change_manifest(kit, lambda m: [entry.update(group=i) for i, entry in enumerate(m["videos"])])
     found = Found(kit)
     assert found == {"manifest"}
@@ -210,7 +210,7 @@ def test_a_manifest_with_a_number_for_each_emotion(kit) -> None:
 
 
 @pytest.mark.parametrize("what", ["seed", "salt", "scene", "run"])
-def test_a_secret_or_a_digest_in_a_public_text(kit, what) -> None:
+def test_audit_finds_secrets_and_digests_in_public_text(kit, what) -> None:
     texts = {
         "seed": (kit / "private" / "seed.txt").read_text,
         "salt": (kit / "private" / "salt.txt").read_text,
@@ -221,10 +221,10 @@ def test_a_secret_or_a_digest_in_a_public_text(kit, what) -> None:
     assert Found(kit) == {"secrets"}
 
 
-# --- inside videos ---------------------------------------------------------------------------------------------------
+# --- inside videos ----------------------------------------------------------------------------------------------------
 
 
-def test_tags_in_a_video(kit) -> None:
+def test_audit_finds_tags_in_a_video(kit) -> None:
     video = a_video(kit)
     data = video.read_bytes()
     place = data.index(b"udta") - 4
@@ -235,7 +235,7 @@ def test_tags_in_a_video(kit) -> None:
     assert Found(kit) == {"metadata", "strings"}
 
 
-def test_a_name_of_the_track_and_a_box_of_another_program(kit) -> None:
+def test_audit_finds_a_track_name_and_foreign_boxes(kit) -> None:
     video = a_video(kit)
     data = video.read_bytes().replace(b"VideoHandler", b"crowd swarm!").replace(b"vmhd", b"gmhd")
     replace_video(kit, video, data)
@@ -245,7 +245,7 @@ def test_a_name_of_the_track_and_a_box_of_another_program(kit) -> None:
     assert f"metadata: videos/{video.name}: unexpected box 'gmhd'\n" in found.text
 
 
-def test_a_date_in_a_video(kit) -> None:
+def test_audit_finds_a_date_in_a_video(kit) -> None:
     video = a_video(kit)
     data = bytearray(video.read_bytes())
     (header,) = (box for box in boxes(bytes(data)) if box.kind == "mvhd")
@@ -256,14 +256,14 @@ def test_a_date_in_a_video(kit) -> None:
     assert "time stamp in mvhd" in found.text
 
 
-def test_words_in_the_room_that_makes_videos_equally_long(kit) -> None:
+def test_audit_finds_words_in_the_padding_of_a_video(kit) -> None:
     video = a_video(kit, "sadness")
     data = video.read_bytes()
     replace_video(kit, video, data[:-30] + b"a sad swarm".ljust(30, b"\0"))
     assert Found(kit) == {"metadata", "strings"}
 
 
-def test_a_message_of_the_encoder_in_the_stream(kit) -> None:
+def test_audit_finds_an_encoder_message_in_the_stream(kit) -> None:
     video = a_video(kit)
     data = bytearray(video.read_bytes())
     (stream,) = (box for box in boxes(bytes(data)) if box.kind == "mdat")
@@ -274,12 +274,12 @@ def test_a_message_of_the_encoder_in_the_stream(kit) -> None:
     assert "units of kind 6 in the stream" in found.text
 
 
-def test_a_video_that_is_no_video(kit) -> None:
+def test_audit_finds_a_file_that_is_not_a_video(kit) -> None:
     replace_video(kit, a_video(kit), b"fear " * 1000)
     assert {"metadata", "videos", "alike"} <= Found(kit)
 
 
-def test_a_video_that_is_cut_off(kit) -> None:
+def test_audit_finds_a_truncated_video(kit) -> None:
     video = a_video(kit)
     video.write_bytes(video.read_bytes()[:-2000])
     set_times(kit / "public")
@@ -287,7 +287,7 @@ def test_a_video_that_is_cut_off(kit) -> None:
 
 
 @pytest.mark.parametrize(("keys", "check"), [({"duration": 2}, "videos"), ({"video.fps": 20}, "alike")])
-def test_a_video_of_another_length_or_rate(kit, tmp_path, keys, check) -> None:
+def test_audit_finds_a_video_of_another_length_or_rate(kit, tmp_path, keys, check) -> None:
     settings = {"video.size": "160x90", "video.fps": 10, "duration": 1, "robots": 6, "seed": 99} | keys
     scene = load_scene("fear", [Setting(key, value, "test") for key, value in settings.items()])
     render_video(simulate(scene), tmp_path / "other.mp4")
@@ -295,25 +295,25 @@ def test_a_video_of_another_length_or_rate(kit, tmp_path, keys, check) -> None:
     assert {check, "alike"} <= Found(kit)
 
 
-def test_a_manifest_with_the_size_of_another_video(kit) -> None:
+def test_audit_finds_a_wrong_video_size_in_the_manifest(kit) -> None:
     change_manifest(kit, lambda m: m["videos"][0].update(width=80))
     found = Found(kit)
     assert found == {"videos", "alike"}
     assert "not 80x90 pixels large" in found.text
 
 
-def test_videos_of_which_none_is_a_video(kit) -> None:
+def test_audit_handles_a_kit_without_valid_videos(kit) -> None:
     for video in (kit / "public" / "videos").iterdir():
         video.write_bytes(video.stem.encode())
     assert {"metadata", "videos"} <= Found(kit)
 
 
-def test_a_copy_of_another_stimulus(kit) -> None:
+def test_audit_finds_a_copy_of_another_stimulus(kit) -> None:
     replace_video(kit, a_video(kit, "fear"), a_video(kit, "anger").read_bytes())
     assert Found(kit) == {"alike"}
 
 
-def test_the_public_scenes_own_runs_as_stimuli(tmp_path) -> None:
+def test_audit_finds_runs_of_public_scenes_as_stimuli(tmp_path) -> None:
     make_kit(tmp_path, STUDY.replace("set: {robots: 6}\n", ""))
     kit = tmp_path / "kit"
     assert Found(kit) == set()
@@ -323,22 +323,22 @@ def test_the_public_scenes_own_runs_as_stimuli(tmp_path) -> None:
         render_video(simulate(scene), tmp_path / "public.mp4")
         replace_video(kit, a_video(kit, emotion), (tmp_path / "public.mp4").read_bytes())
     found = Found(kit)
-    assert found == {"alike", "scenes"}  # nobody made them equally long, either
+    assert found == {"alike", "scenes"}  # they were not padded to equal length, either
     for emotion in LABELS:
         assert f"{a_video(kit, emotion).name}: shows the run of a public scene: {emotion}" in found.text
 
 
-def test_a_study_that_lets_nothing_vary_shows_the_public_scenes(tmp_path) -> None:
+def test_study_without_variation_is_reported_as_public_scenes(tmp_path) -> None:
     text = STUDY.replace("set: {robots: 6}\n", "vary: {seed: false, turn: false, mirror: false, half_turn: false}\n")
     make_kit(tmp_path, text)
     found = audit(tmp_path / "kit").findings
     assert [finding.check for finding in found] == 6 * ["scenes"]
 
 
-# --- key and orders --------------------------------------------------------------------------------------------------
+# --- key and orders ---------------------------------------------------------------------------------------------------
 
 
-def test_a_key_that_is_not_the_one_committed_to(kit) -> None:
+def test_audit_finds_a_key_that_contradicts_the_commitment(kit) -> None:
     key = kit / "private" / "key.csv"
     key.write_text(key.read_text().replace("fear", "x").replace("anger", "fear").replace("x", "anger"))
     assert "not the key to which the manifest commits" in Found(kit).text
@@ -356,12 +356,12 @@ def test_a_published_key_is_checked_without_the_private_folder(kit, tmp_path) ->
     assert Found(kit, key=published / "key.csv") == {"key"}
 
 
-def test_a_key_without_its_salt(kit) -> None:
+def test_audit_finds_a_key_without_its_salt(kit) -> None:
     (kit / "private" / "salt.txt").unlink()
     assert "salt.txt: missing: nobody can check the commitment to the key without it" in Found(kit).text
 
 
-def test_a_kit_without_its_orders(kit) -> None:
+def test_audit_finds_missing_orders(kit) -> None:
     (kit / "orders.csv").unlink()
     found = audit(kit)
     assert [str(finding) for finding in found.findings] == ["orders: orders.csv: missing"]
@@ -380,7 +380,7 @@ def test_a_kit_without_its_orders(kit) -> None:
     ],
     ids=["a video missing", "a participant missing", "an unknown code", "one order for all", "a video twice"],
 )  # fmt: skip
-def test_orders_that_are_not_as_planned(kit, change, message) -> None:
+def test_audit_finds_orders_that_differ_from_the_plan(kit, change, message) -> None:
     path = kit / "orders.csv"
     path.write_text("\n".join(change(path.read_text().splitlines())) + "\n")
     found = Found(kit)
@@ -388,7 +388,7 @@ def test_orders_that_are_not_as_planned(kit, change, message) -> None:
     assert message in found.text
 
 
-def test_orders_that_lost_only_their_balance_of_neighbours(kit) -> None:
+def test_audit_finds_orders_without_neighbor_balance(kit) -> None:
     codes = sorted(open_kit(kit).manifest.codes)
     cyclic = [codes[i:] + codes[:i] for i in range(6)] * 2
     rows = [f"P{p:03},{i},{code}" for p, order in enumerate(cyclic, 1) for i, code in enumerate(order, 1)]
@@ -396,7 +396,7 @@ def test_orders_that_lost_only_their_balance_of_neighbours(kit) -> None:
     assert Found(kit).text == "orders: orders.csv: counts of neighbors differ by 10; expected at most 0 for williams"
 
 
-def test_the_balance_that_dropouts_left(kit, tmp_path) -> None:
+def test_audit_reports_the_balance_after_dropouts(kit, tmp_path) -> None:
     lines = (kit / "orders.csv").read_text().splitlines()[1:]
     kept = [line for line in lines if not line.startswith(("P003", "P004"))][:-2]
     answers = ["participant,video,position,response"]
@@ -410,7 +410,7 @@ def test_the_balance_that_dropouts_left(kit, tmp_path) -> None:
     assert left.balance.places_range[1] == 2
 
 
-def test_the_balance_of_answers_without_places_is_that_of_the_orders_where_these_say_who(kit, tmp_path) -> None:
+def test_balance_of_answers_without_positions_uses_the_orders(kit, tmp_path) -> None:
     code = open_kit(kit).orders["P001"][2]
     (tmp_path / "responses.csv").write_text(f"participant,video,response\nP001,{code},fear\nsomebody,{code},fear\n")
     left = audit(kit, responses=[tmp_path / "responses.csv"]).left
@@ -424,10 +424,10 @@ def test_the_balance_of_answers_without_places_is_that_of_the_orders_where_these
     assert audit(kit, tmp_path / "elsewhere" / "key.csv", [tmp_path / "responses.csv"]).left.facts() == left.facts()
 
 
-# --- what is reported, and what is no kit ----------------------------------------------------------------------------
+# --- reports, and folders that are not kits ---------------------------------------------------------------------------
 
 
-def test_sizes_are_reported_by_what_is_needed(fresh) -> None:
+def test_video_sizes_are_listed_by_content_size(fresh) -> None:
     rows = audit(fresh).sizes
     assert len({row.bytes for row in rows}) == 1
     needed = [row.content_bytes for row in rows]
@@ -460,14 +460,14 @@ def test_sizes_are_reported_by_what_is_needed(fresh) -> None:
     ids=["folder", "no manifest", "no json", "a list", "no question", "format", "no videos", "no duration", "orders",
          "orders in Latin-1", "orders a folder", "study", "key"],
 )  # fmt: skip
-def test_a_folder_that_is_not_a_kit_gives_one_line(kit, spoil, message) -> None:
+def test_folder_that_is_not_a_kit_gives_a_one_line_message(kit, spoil, message) -> None:
     spoil(kit)
     with pytest.raises(InputError, match=r".") as caught:
         audit(kit)
     assert message in str(caught.value)
 
 
-def test_a_finished_video_called_by_a_number_makes_no_place_a_hint(fresh, tmp_path) -> None:
+def test_external_video_named_with_a_digit_gives_no_finding(fresh, tmp_path) -> None:
     folder = write_study(tmp_path / "study", STUDY.replace("scene: anger", "video: 1.mp4\n    emotion: anger"))
     shutil.copy(a_video(fresh), folder / "1.mp4")
     make_kit(tmp_path, (folder / "study.yaml").read_text())

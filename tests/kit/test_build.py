@@ -43,10 +43,10 @@ def codes_in(kit: Path) -> list[str]:
     return sorted(path.stem for path in (kit / "public" / "videos").iterdir())
 
 
-# --- what is in a kit ------------------------------------------------------------------------------------------------
+# --- contents of a kit ------------------------------------------------------------------------------------------------
 
 
-def test_a_kit_has_the_files_that_are_promised_and_no_others(fresh) -> None:
+def test_kit_has_exactly_the_documented_files(fresh) -> None:
     names = set(files(fresh))
     videos = {f"public/videos/{code}.mp4" for code in codes_in(fresh)}
     private = {f"private/{name}" for name in ("key.csv", "salt.txt", "seed.txt", "stimuli.csv", "study.json")}
@@ -63,7 +63,7 @@ def test_codes_are_random_and_the_key_has_each_emotion_once(fresh) -> None:
     assert read_key(fresh / "private" / "key.csv", Labels()) == {r["video_code"]: r["true_emotion"] for r in key}
 
 
-def test_videos_are_equal_in_bytes_and_frames_and_have_one_time(fresh) -> None:
+def test_videos_have_equal_size_frame_count_and_modification_time(fresh) -> None:
     videos = list((fresh / "public" / "videos").iterdir())
     assert len({path.stat().st_size for path in videos}) == 1
     assert {count_frames(path) for path in videos} == {10}
@@ -71,13 +71,13 @@ def test_videos_are_equal_in_bytes_and_frames_and_have_one_time(fresh) -> None:
     assert {path.stat().st_mtime for path in public} == {946_684_800.0}
 
 
-def test_only_the_owner_reads_what_is_private(fresh) -> None:
+def test_private_files_are_readable_only_by_the_owner(fresh) -> None:
     modes = {path: stat.S_IMODE(path.stat().st_mode) for path in (fresh / "private").iterdir()}
     assert stat.S_IMODE((fresh / "private").stat().st_mode) == 0o700
     assert set(modes.values()) == {0o600}
 
 
-def test_the_manifest_describes_the_videos_and_says_all_that_pages_need(fresh) -> None:
+def test_manifest_describes_videos_and_page_texts(fresh) -> None:
     manifest = json.loads((fresh / "public" / "manifest.json").read_text())
     assert manifest["question"] == "Which emotion best described the movement of the robots in the video?"
     assert [answer["label"] for answer in manifest["choices"]["labels"]] == list(LABELS)
@@ -90,17 +90,17 @@ def test_the_manifest_describes_the_videos_and_says_all_that_pages_need(fresh) -
         assert (video["bytes"], video["sha256"]) == (len(data), hashlib.sha256(data).hexdigest())
         assert (video["width"], video["height"], video["fps"], video["frames"]) == (160, 90, 10, 10)
         known = {"code", "file", "type", "bytes", "sha256", "frames", "fps", "width", "height", "duration"}
-        assert set(video) == known  # and nothing of the emotion
+        assert set(video) == known  # and nothing about the emotion
 
 
-def test_the_commitment_is_to_salt_and_key(fresh) -> None:
+def test_commitment_is_the_hash_of_salt_and_key(fresh) -> None:
     manifest = json.loads((fresh / "public" / "manifest.json").read_text())
     data = b"".join((fresh / "private" / name).read_bytes() for name in ("salt.txt", "key.csv"))
     assert manifest["key_commitment"] == hashlib.sha256(data).hexdigest()
     assert re.fullmatch(r"[0-9a-f]{64}\n", (fresh / "private" / "salt.txt").read_text())
 
 
-def test_orders_are_those_of_williams_squares(fresh) -> None:
+def test_orders_come_from_williams_squares(fresh) -> None:
     table = rows(fresh / "orders.csv")
     assert list(table[0]) == ["participant", "position", "video_code"]
     orders = {}
@@ -112,29 +112,29 @@ def test_orders_are_those_of_williams_squares(fresh) -> None:
     assert (found.places_spread, found.pairs_spread) == (0, 0)
 
 
-def test_the_map_gives_the_analysis_labels_and_texts(fresh) -> None:
+def test_map_gives_labels_and_answer_texts_to_the_analysis(fresh) -> None:
     said = read_mapping(fresh / "map.yaml")
     assert said.labels == LABELS
     assert said.answers["Happiness"] == "happiness"
 
 
-# --- from which seed -------------------------------------------------------------------------------------------------
+# --- seeds ------------------------------------------------------------------------------------------------------------
 
 
-def test_the_same_seed_makes_the_same_kit_to_the_byte(fresh, tmp_path) -> None:
+def test_equal_seeds_give_identical_kits(fresh, tmp_path) -> None:
     make_kit(tmp_path)
     assert files(tmp_path / "kit") == files(fresh)
 
 
-def test_two_kits_of_one_study_share_no_code_and_no_byte_equal_file(fresh, tmp_path) -> None:
+def test_two_kits_of_one_study_share_no_code_and_no_identical_file(fresh, tmp_path) -> None:
     built = make_kit(tmp_path, seed=SEED + 1)
     assert not set(built.codes) & set(codes_in(fresh))
     first, second = files(fresh), files(tmp_path / "kit")
-    texts = {"map.yaml", "survey.json"}  # labels and their texts: the study's own words
+    texts = {"map.yaml", "survey.json"}  # labels and their texts from the study
     assert not {d for n, d in first.items() if n not in texts} & {d for n, d in second.items() if n not in texts}
 
 
-def test_without_a_seed_each_kit_has_a_secret_of_its_own_that_makes_it_again(tmp_path) -> None:
+def test_random_seed_is_stored_and_reproduces_the_kit(tmp_path) -> None:
     text = STUDY.replace("duration: 1}", "duration: 0.2}")
     one, two = (make_kit(tmp_path / name, text, seed=None) for name in ("one", "two"))
     assert one.seed != two.seed
@@ -144,7 +144,7 @@ def test_without_a_seed_each_kit_has_a_secret_of_its_own_that_makes_it_again(tmp
     assert files(tmp_path / "again" / "kit") == files(tmp_path / "one" / "kit")
 
 
-def test_more_participants_are_added_to_a_kit_that_is_there(kit, fresh, tmp_path) -> None:
+def test_participants_can_be_added_to_an_existing_kit(kit, fresh, tmp_path) -> None:
     report = Silent()
     make_kit(tmp_path, participants=30, seed=None, report=report)
     assert (len(report.made), len(report.kept)) == (0, 6)
@@ -153,10 +153,10 @@ def test_more_participants_are_added_to_a_kit_that_is_there(kit, fresh, tmp_path
     assert files(kit / "public" / "videos") == files(fresh / "public" / "videos")
 
 
-# --- how a stimulus differs from the public scene --------------------------------------------------------------------
+# --- differences between stimuli and public scenes --------------------------------------------------------------------
 
 
-def test_no_run_is_that_of_the_public_scene_nor_that_of_another_kit(tmp_path) -> None:
+def test_runs_differ_from_public_scenes_and_other_kits(tmp_path) -> None:
     loaded = load_study(write_study(tmp_path))
     runs = {}
     for seed in (1, 2):
@@ -167,8 +167,8 @@ def test_no_run_is_that_of_the_public_scene_nor_that_of_another_kit(tmp_path) ->
 
 
 @pytest.mark.parametrize("robots", [5, 6])
-def test_no_robot_of_a_ring_starts_where_one_of_the_public_run_does(tmp_path, robots) -> None:
-    # All robots look alike: a run turned by a whole place would be the public picture. For an odd number of robots, a
+def test_ring_robots_start_away_from_public_start_positions(tmp_path, robots) -> None:
+    # All robots look alike: a run turned by a whole spacing would equal the public picture. For an odd number, a
     # mirror image and a half turn move the ring by half a place.
     text = STUDY.replace("set: {robots: 6}", f"exemplars: 4\nset: {{robots: {robots}}}")
     loaded = load_study(write_study(tmp_path, text))
@@ -181,7 +181,7 @@ def test_no_robot_of_a_ring_starts_where_one_of_the_public_run_does(tmp_path, ro
         assert np.linalg.norm(start[:, None] - public, axis=-1).min() > 0.2 * apart
 
 
-def test_a_ring_whose_robots_start_at_random_is_not_turned_and_no_turn_is_listed(tmp_path) -> None:
+def test_ring_with_random_starts_is_not_turned_and_lists_no_turn(tmp_path) -> None:
     text = STUDY.replace("scene: happiness", "scene: happiness\n    set: {start: {place: stage}}")
     found = {item.exemplar.emotion: item for item in blinded(load_study(write_study(tmp_path, text)), SEED)}
     assert found["surprise"].turn != 0.0 != found["sadness"].turn
@@ -189,7 +189,7 @@ def test_a_ring_whose_robots_start_at_random_is_not_turned_and_no_turn_is_listed
     assert found["happiness"].seed is not None
 
 
-def test_a_random_start_without_room_is_drawn_again_and_not_for_ever(tmp_path, monkeypatch) -> None:
+def test_random_start_without_room_is_redrawn_a_limited_number_of_times(tmp_path, monkeypatch) -> None:
     loaded = load_study(write_study(tmp_path))
     tried = []
 
@@ -212,7 +212,7 @@ def test_a_random_start_without_room_is_drawn_again_and_not_for_ever(tmp_path, m
     assert len(set(tried)) == len(tried) == 50
 
 
-def test_colours_are_within_one_level_and_alike_in_all_videos_of_a_kit(make_scene) -> None:
+def test_colors_vary_by_at_most_one_level_and_are_equal_within_a_kit(make_scene) -> None:
     plain, other = make_scene("anger"), make_scene("fear")
     one, two = tinted(plain, SEED).video.palette, tinted(other, SEED).video.palette
     assert one == two
@@ -223,7 +223,7 @@ def test_colours_are_within_one_level_and_alike_in_all_videos_of_a_kit(make_scen
         assert all(abs(a - b) <= 1 for a, b in levels)
 
 
-def test_exemplars_of_one_emotion_run_both_ways_round(tmp_path) -> None:
+def test_exemplars_of_one_emotion_rotate_in_both_directions(tmp_path) -> None:
     text = STUDY.replace("set: {robots", "exemplars: 4\nset: {robots")
     stimuli = blinded(load_study(write_study(tmp_path, text)), SEED)
     assert len(stimuli) == 24
@@ -234,7 +234,7 @@ def test_exemplars_of_one_emotion_run_both_ways_round(tmp_path) -> None:
     assert len({item.seed for item in stimuli if item.exemplar.emotion == "fear"}) == 4
 
 
-def test_what_a_study_keeps_from_varying_stays_as_in_the_scene(tmp_path) -> None:
+def test_disabled_variations_keep_the_scene_unchanged(tmp_path) -> None:
     text = STUDY + "vary: {seed: false, turn: false, mirror: false, half_turn: false}\n"
     for item in blinded(load_study(write_study(tmp_path, text)), SEED):
         assert (item.seed, item.turn, item.mirror, item.half_turn) == (None, 0.0, False, False)
@@ -242,10 +242,10 @@ def test_what_a_study_keeps_from_varying_stays_as_in_the_scene(tmp_path) -> None
         assert item.exemplar.scene.seed == public.seed
 
 
-# --- sets, choices, finished videos ----------------------------------------------------------------------------------
+# --- sets, choices, finished videos -----------------------------------------------------------------------------------
 
 
-def test_one_of_each_shows_every_participant_one_set_of_exemplars(tmp_path) -> None:
+def test_one_of_each_scheme_shows_one_exemplar_per_emotion(tmp_path) -> None:
     text = STUDY.replace("duration: 1}", "duration: 0.2}") + "exemplars: 2\norders: {shown: one_of_each}\n"
     make_kit(tmp_path, text, participants=26)
     key = {row["video_code"]: row["true_emotion"] for row in rows(tmp_path / "kit" / "private" / "key.csv")}
@@ -273,7 +273,7 @@ def test_answers_in_random_order_are_recorded_with_the_orders(tmp_path) -> None:
     assert len({(row["participant"], row["choices"]) for row in table}) == 12
 
 
-def test_a_finished_video_is_encoded_again_and_otherwise_like_the_others(fresh, tmp_path) -> None:
+def test_external_video_is_reencoded_like_the_others(fresh, tmp_path) -> None:
     folder = write_study(tmp_path / "study", STUDY.replace("scene: anger", "video: mine.mp4\n    emotion: anger"))
     source = (fresh / "public" / "videos" / f"{codes_in(fresh)[0]}.mp4").read_bytes()
     (folder / "mine.mp4").write_bytes(source)
@@ -286,10 +286,10 @@ def test_a_finished_video_is_encoded_again_and_otherwise_like_the_others(fresh, 
     assert not made & set(files(tmp_path / "other" / "public" / "videos").values())
 
 
-# --- what is there already -------------------------------------------------------------------------------------------
+# --- existing files ---------------------------------------------------------------------------------------------------
 
 
-def test_only_missing_or_changed_files_are_made_again(kit, fresh, tmp_path) -> None:
+def test_only_missing_or_changed_files_are_rebuilt(kit, fresh, tmp_path) -> None:
     missing, changed, *others = codes_in(kit)
     (kit / "public" / "videos" / f"{missing}.mp4").unlink()
     broken = kit / "public" / "videos" / f"{changed}.mp4"
@@ -306,14 +306,14 @@ class Interrupted(Exception):  # noqa: N818 - stands for a signal
 
 
 class Interrupting(Silent):
-    """Ends the third video in its middle."""
+    """Interrupts the third video in its middle."""
 
     def advanced(self, frames: int) -> None:
         if len(self.made) == 2 and frames == 5:
             raise Interrupted
 
 
-def test_an_interrupted_build_leaves_no_part_and_is_taken_up_again(fresh, tmp_path) -> None:
+def test_interrupted_build_leaves_no_partial_file_and_can_be_resumed(fresh, tmp_path) -> None:
     with pytest.raises(Interrupted):
         make_kit(tmp_path, report=Interrupting())
     left = files(tmp_path / "kit")
@@ -325,7 +325,7 @@ def test_an_interrupted_build_leaves_no_part_and_is_taken_up_again(fresh, tmp_pa
     assert files(tmp_path / "kit") == files(fresh)
 
 
-def test_a_kit_of_another_seed_or_study_is_not_touched(kit, fresh, tmp_path) -> None:
+def test_kit_of_another_seed_or_study_is_not_changed(kit, fresh, tmp_path) -> None:
     with pytest.raises(InputError, match="contains a kit with another seed; expected that seed, another folder,"):
         make_kit(tmp_path, seed=1)
     with pytest.raises(InputError, match="contains a kit of another study or of an earlier version"):
@@ -333,13 +333,13 @@ def test_a_kit_of_another_seed_or_study_is_not_touched(kit, fresh, tmp_path) -> 
     assert files(kit) == files(fresh)
 
 
-def test_force_makes_another_kit_and_leaves_nothing_of_the_old_one(kit, fresh, tmp_path) -> None:
+def test_force_replaces_the_old_kit_completely(kit, fresh, tmp_path) -> None:
     built = make_kit(tmp_path, STUDY.replace("Thank you.", "Thanks."), seed=SEED + 1, force=True)
     assert codes_in(kit) == list(built.codes)
     assert not set(codes_in(kit)) & set(codes_in(fresh))
 
 
-def test_a_folder_that_cannot_be_made_private_gets_no_key(tmp_path, monkeypatch) -> None:
+def test_no_key_is_written_to_a_folder_that_cannot_be_made_private(tmp_path, monkeypatch) -> None:
     def refuse(*_: object) -> None:
         raise OSError(errno.EPERM, os.strerror(errno.EPERM))
 
@@ -350,7 +350,7 @@ def test_a_folder_that_cannot_be_made_private_gets_no_key(tmp_path, monkeypatch)
 
 
 @pytest.mark.parametrize("how", [{"seed": 5}, {"text": STUDY.replace("Thank you.", "Thanks.")}], ids=["seed", "study"])
-def test_a_kit_that_somebody_has_answered_keeps_its_key_even_against_force(kit, fresh, tmp_path, how) -> None:
+def test_kit_with_answers_keeps_its_key_even_with_force(kit, fresh, tmp_path, how) -> None:
     (kit / "answers").mkdir()
     (kit / "answers" / "answers.sqlite").write_bytes(b"")
     with pytest.raises(InputError, match=r"kit/answers: contains answers to the existing kit; move them away"):
@@ -362,7 +362,7 @@ def test_a_kit_that_somebody_has_answered_keeps_its_key_even_against_force(kit, 
 
 
 @pytest.mark.parametrize("force", [False, True])
-def test_a_folder_with_something_else_is_refused(tmp_path, force) -> None:
+def test_folder_with_other_files_is_refused(tmp_path, force) -> None:
     (tmp_path / "kit").mkdir()
     (tmp_path / "kit" / "thesis.tex").write_text("all my work")
     with pytest.raises(InputError, match="is not empty and contains no kit; expected a new folder, or a kit"):

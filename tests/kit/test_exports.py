@@ -1,4 +1,4 @@
-"""What is written for other tools, and read back from what they would make of it."""
+"""Exports to other tools, and reading back the data files that these tools would write."""
 
 import csv
 import html
@@ -22,7 +22,7 @@ from emovid.statistics.results import StudyResults
 from tests.helpers.limesurvey import seen
 from tests.helpers.tiny import LABELS, STUDY, make_kit, make_kit_of_placeholders
 
-# Labels that no dictionary of ours knows, in another script, with marks that formats must quote.
+# Labels without known synonyms, in another script, with characters that formats must quote.
 GREEK = """\
 labels: {happiness: Χαρά, surprise: Έκπληξη, anger: Θυμός, fear: Φόβος, disgust: "Αηδία, <b>&</b>", sadness: Λύπη}
 none_of_these: Κανένα
@@ -55,7 +55,7 @@ def written(kit: Kit, tool: str, name: str) -> str:
 
 
 def answers_of(kit: Kit) -> dict[str, dict[str, str]]:
-    """Invent what participants answer: the truth, but for the first video."""
+    """Return invented answers: correct except for the first video."""
     found = {}
     for participant, order in kit.orders.items():
         found[participant] = {code: kit.key[code] for code in order} | {order[0]: "fear"}
@@ -78,22 +78,22 @@ def table(path: Path, header: list[str], rows: list[list[str]], delimiter: str =
     return path
 
 
-def test_no_export_leaks(greek) -> None:
+def test_exports_do_not_reveal_emotions(greek) -> None:
     assert [str(finding) for finding in audit(greek.folder.path).findings] == []
 
 
 @pytest.mark.parametrize("tool", ["jspsych", "psychopy", "qualtrics", "limesurvey"])
-def test_videos_go_along_as_they_are(greek, tool) -> None:
+def test_videos_are_copied_unchanged(greek, tool) -> None:
     for code in greek.manifest.codes:
         copy = greek.folder.exports / tool / "videos" / f"{code}.mp4"
         assert copy.read_bytes() == greek.folder.video(code).read_bytes()
         assert copy.stat().st_mtime == greek.folder.video(code).stat().st_mtime
 
 
-# --- jsPsych ---------------------------------------------------------------------------------------------------------
+# --- jsPsych ----------------------------------------------------------------------------------------------------------
 
 
-def test_the_jspsych_page_has_its_data_and_nothing_of_jspsych(greek) -> None:
+def test_jspsych_page_has_its_data_but_not_the_library(greek) -> None:
     page = written(greek, "jspsych", "index.html")
     text = re.search(r'id="kit">(.*?)</script>', page, re.DOTALL)[1]
     assert "<" not in text  # </script> ends the data early, <!-- <script> late
@@ -107,10 +107,10 @@ def test_the_jspsych_page_has_its_data_and_nothing_of_jspsych(greek) -> None:
     assert "jspsych@8.3.0" in written(greek, "jspsych", "README.md")
 
 
-# --- PsychoPy --------------------------------------------------------------------------------------------------------
+# --- PsychoPy ---------------------------------------------------------------------------------------------------------
 
 
-def test_psychopy_s_data_are_read_back(greek, tmp_path) -> None:
+def test_psychopy_data_are_read_back(greek, tmp_path) -> None:
     answers = answers_of(greek)
     for participant, order in greek.orders.items():
         rows = list(csv.DictReader(io.StringIO(written(greek, "psychopy", f"conditions/{participant}.csv"))))
@@ -129,7 +129,7 @@ def test_psychopy_s_data_are_read_back(greek, tmp_path) -> None:
     assert set(zip(first["participant"], first["video"], strict=True)) == {(p, o[0]) for p, o in greek.orders.items()}
 
 
-# --- Qualtrics -------------------------------------------------------------------------------------------------------
+# --- Qualtrics --------------------------------------------------------------------------------------------------------
 
 
 def questions(survey: str) -> dict[str, list[str]]:
@@ -168,7 +168,7 @@ def test_qualtrics_data_are_read_back(greek, tmp_path) -> None:
     assert list(responses.participants["gender"].unique()) == ["Woman"]
 
 
-# --- LimeSurvey ------------------------------------------------------------------------------------------------------
+# --- LimeSurvey -------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("full", [True, False], ids=["full answers", "answer codes"])
@@ -199,11 +199,11 @@ def test_limesurvey_data_are_read_back(greek, tmp_path, full) -> None:
     assert responses.counts().tolist() == counts(greek)
 
 
-# --- data set, preregistration, checklist ----------------------------------------------------------------------------
+# --- data set, preregistration, checklist -----------------------------------------------------------------------------
 
 
 def is_psych_ds(folder: Path) -> None:
-    """Check what Psych-DS asks for: the required keys, names of data files, and that every column is described."""
+    """Check the requirements of Psych-DS: required keys, names of data files, and descriptions of all columns."""
     said = json.loads((folder / "dataset_description.json").read_text())
     assert {"@context", "@type", "name", "description", "variableMeasured"} <= set(said)
     assert said["@type"] == "Dataset"
@@ -221,7 +221,7 @@ def is_psych_ds(folder: Path) -> None:
     assert all(variable["description"] for variable in said["variableMeasured"])
 
 
-def test_the_data_set_is_one_by_psych_ds_before_and_after_the_study(greek, tmp_path) -> None:
+def test_data_set_is_valid_psych_ds_before_and_after_the_study(greek, tmp_path) -> None:
     is_psych_ds(greek.folder.exports / "psych-ds")
     rows = [["participant", "video", "position", "response", "gender"]]
     for participant, answers in answers_of(greek).items():
@@ -239,7 +239,7 @@ def test_the_data_set_is_one_by_psych_ds_before_and_after_the_study(greek, tmp_p
     assert all(greek.orders[row["participant_id"]][int(row["position"]) - 1] == row["video_code"] for row in answers)
 
 
-def test_answers_without_places_and_with_groups_of_any_name_are_in_the_data_set(kit, tmp_path) -> None:
+def test_answers_without_positions_and_with_any_group_name_are_exported(kit, tmp_path) -> None:
     codes = open_kit(kit).manifest.codes
     rows = [["P001", code, "fear", "=1+1", ""] for code in codes] + [["P002", codes[0], "anger", "", "yes"]]
     path = table(tmp_path / "answers.csv", ["participant", "video", "response", "country", "choices"], rows)
@@ -253,7 +253,7 @@ def test_answers_without_places_and_with_groups_of_any_name_are_in_the_data_set(
     assert "nan" not in data.read_text()
 
 
-def test_the_last_page_has_the_completion_code_and_the_way_back(tmp_path) -> None:
+def test_last_page_has_completion_code_and_return_link(tmp_path) -> None:
     said = 'thanks: {text: Thank you., code: "C0DE <1>", link: "https://example.org/?a=1&b=2"}'
     kit = make_kit_of_placeholders(tmp_path, STUDY.replace("thanks: {text: Thank you.}", said))
     page = (
@@ -287,13 +287,13 @@ def test_a_line_of_text_and_no_questions_at_all_are_exported_too(tmp_path) -> No
             assert blocks == ["Consent", "Instructions", *kit.manifest.codes, "End"]
 
 
-def test_the_checklist_names_a_forced_choice_as_a_limit(fresh, tmp_path, greek) -> None:
+def test_checklist_names_forced_choice_as_a_limitation(fresh, tmp_path, greek) -> None:
     assert '"None of these" is offered' in written(greek, "checklist", "checklist.md")
     export(open_kit(fresh), "checklist", tmp_path)
     assert '"None of these" is not offered: a forced choice' in (tmp_path / "checklist.md").read_text()
 
 
-def test_own_videos_stay_beside_exported_ones_and_a_missing_video_gives_one_line(kit) -> None:
+def test_own_videos_are_kept_and_a_missing_video_gives_a_one_line_message(kit) -> None:
     own = kit / "exports" / "jspsych" / "videos" / "practice.mp4"
     own.parent.mkdir(parents=True)
     own.write_bytes(b"mine")
@@ -305,7 +305,7 @@ def test_own_videos_stay_beside_exported_ones_and_a_missing_video_gives_one_line
         export(open_kit(kit), "jspsych")
 
 
-def test_the_preregistration_says_what_the_kit_knows(greek) -> None:
+def test_preregistration_states_the_facts_of_the_kit(greek) -> None:
     text = written(greek, "prereg", "preregistration.md")
     found = plan(0.5, 7, 6)
     assert f"needs {found.n} participants who each answer one video of the emotion: {found.n_binomial} for" in " ".join(
@@ -318,7 +318,7 @@ def test_the_preregistration_says_what_the_kit_knows(greek) -> None:
     assert text.count(OPEN) == 9  # explanation, purpose, blinding, existing data (2), N, procedures, stopping, ratings
 
 
-def test_exemplars_of_an_emotion_are_one_test_of_the_plan_and_of_the_preregistration(tmp_path) -> None:
+def test_exemplars_of_an_emotion_share_one_test_in_plan_and_preregistration(tmp_path) -> None:
     kit = make_kit_of_placeholders(tmp_path, STUDY + "exemplars: 2\n")
     path = export(kit, "prereg").files[0]
     text = " ".join(path.read_text().split())
@@ -326,17 +326,17 @@ def test_exemplars_of_an_emotion_are_one_test_of_the_plan_and_of_the_preregistra
     assert "2 exemplars of each." in text
     assert "after Holm's correction for 6 tests" in text
     assert f"Holm's correction for 6 tests: {0.05 / 6:.4g}), the study needs {plan(0.5, 6, 6).n} participants" in text
-    assert len(analyzed(kit, tmp_path).recognition) == 6  # as is said
+    assert len(analyzed(kit, tmp_path).recognition) == 6  # as stated in the text
 
 
 def analyzed(kit: Kit, folder: Path) -> StudyResults:
-    """Return the results of a study in which everybody answers the truth."""
+    """Return the results of a study in which all answers are correct."""
     rows = [[who, code, str(i), kit.key[code]] for who, order in kit.orders.items() for i, code in enumerate(order, 1)]
     path = table(folder / "answers.csv", ["participant", "video", "position", "response"], rows)
     return analyze(read_responses(path, key=kit.folder.key))
 
 
-def test_unknown_facts_are_marked_to_do(fresh, tmp_path) -> None:
+def test_unknown_facts_are_marked_as_to_do(fresh, tmp_path) -> None:
     export(open_kit(fresh), "prereg", tmp_path)
     text = (tmp_path / "preregistration.md").read_text()
     assert f"### Hypotheses\n\n{OPEN}" in text
@@ -368,7 +368,7 @@ def test_exports_need_the_orders_and_the_study(kit) -> None:
         export(open_kit(kit), "jspsych")
 
 
-def test_an_export_of_a_former_kit_is_replaced(kit, tmp_path) -> None:
+def test_export_of_an_earlier_kit_is_replaced(kit, tmp_path) -> None:
     export(open_kit(kit), "jspsych")
     old = {path.name for path in (kit / "exports" / "jspsych" / "videos").iterdir()}
     built = make_kit(tmp_path, seed=5, force=True)

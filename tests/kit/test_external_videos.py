@@ -1,4 +1,4 @@
-"""Finished videos as stimuli: which are taken, and what is left of them."""
+"""External videos as stimuli: acceptance and encoding."""
 
 import shutil
 import subprocess
@@ -17,14 +17,14 @@ LOOK = Look(size="160x90", fps=10, duration=1.0)
 
 @pytest.fixture
 def video(fresh, tmp_path, monkeypatch) -> Path:
-    """Lay a video in the folder where one works."""
+    """Put a video in the working folder."""
     monkeypatch.chdir(tmp_path)
     source = next((fresh / "public" / "videos").iterdir())
     return Path(shutil.copy(source, "recorded.mp4"))
 
 
 def changed(video: Path, *options: str | bytes, before: tuple[str, ...] = ()) -> Path:
-    """Return the video as another program would have written it."""
+    """Return the video re-encoded as by another program."""
     target = Path("changed.mp4")
     subprocess.run(
         [ffmpeg.executable(), "-v", "error", *before, "-i", video.absolute(), *options, "-y", target], check=True
@@ -38,9 +38,9 @@ def luma(video: Path) -> np.ndarray:
     return np.frombuffer(data, np.uint8).reshape(-1, 90, 160).astype(int)
 
 
-def test_a_video_is_taken_whatever_its_name_and_its_title(video) -> None:
+def test_external_video_may_have_any_name_and_title(video) -> None:
     check_video(video, LOOK)
-    check_video(video.rename("10:30.mp4"), LOOK)  # no protocol called 10
+    check_video(video.rename("10:30.mp4"), LOOK)  # there is no protocol called 10
     check_video(changed(Path("10:30.mp4"), "-c", "copy", "-metadata", b"title=\xe9t\xe9"), LOOK)  # Latin-1
 
 
@@ -54,7 +54,7 @@ def test_a_video_is_taken_whatever_its_name_and_its_title(video) -> None:
     ],
     ids=["recorded upright", "pixels", "rate", "length"],
 )
-def test_a_video_that_would_be_seen_otherwise_than_the_others_is_refused(video, before, options, message) -> None:
+def test_video_that_differs_visibly_from_the_others_is_refused(video, before, options, message) -> None:
     with pytest.raises(SourceError, match=message):
         check_video(changed(video, *options, before=before), LOOK)
 
@@ -69,7 +69,7 @@ def test_a_file_that_is_not_a_video_is_refused(tmp_path) -> None:
         check_video(tmp_path / "none.mp4", LOOK)
 
 
-def test_the_picture_stays_and_sound_and_title_go(video) -> None:
+def test_encoding_keeps_the_picture_and_removes_sound_and_title(video) -> None:
     sounding = changed(video, "-f", "lavfi", "-i", "sine=duration=1", "-metadata", "title=fear", "-c:v", "copy")
     reencode(sounding, Path("out.mp4"), LOOK, 5)
     before, after = luma(video), luma(Path("out.mp4"))
@@ -79,16 +79,16 @@ def test_the_picture_stays_and_sound_and_title_go(video) -> None:
     data = Path("out.mp4").read_bytes()
     assert b"fear" in sounding.read_bytes()
     assert b"fear" not in data
-    assert b"soun" not in data  # the kind of a track of sound
+    assert b"soun" not in data  # the type of an audio track
 
 
-def test_a_video_with_the_name_of_a_protocol_is_encoded_as_any_other(video) -> None:
+def test_video_named_like_a_protocol_is_encoded(video) -> None:
     reencode(video, Path("out.mp4"), LOOK, 5)
     reencode(video.rename("10:30.mp4"), Path("again.mp4"), LOOK, 5)
     assert Path("again.mp4").read_bytes() == Path("out.mp4").read_bytes()
 
 
-def test_the_grain_is_in_squares_and_of_the_seed() -> None:
+def test_grain_consists_of_squares_and_depends_on_the_seed() -> None:
     found = grain(100, 50, 7)
     assert found.shape == (50, 100)
     assert set(np.unique(found)) == {0, 1}
@@ -99,7 +99,7 @@ def test_the_grain_is_in_squares_and_of_the_seed() -> None:
     assert 0.45 < grain(1280, 720, 7).mean() < 0.55
 
 
-def test_a_decoder_that_stops_within_a_frame_is_an_error_and_leaves_no_video(video, monkeypatch) -> None:
+def test_decoder_that_stops_within_a_frame_is_an_error_and_writes_no_video(video, monkeypatch) -> None:
     failing = Path("failing").absolute()
     failing.write_text("#!/bin/sh\nhead -c 1000 /dev/zero\n")
     failing.chmod(0o755)

@@ -56,7 +56,7 @@ def exported(kit: Kit, tool: str, name: str) -> Path:
     return kit.folder.exports / tool / name
 
 
-def test_no_page_names_an_emotion_beside_a_code(kit) -> None:
+def test_pages_never_show_an_emotion_next_to_a_code(kit) -> None:
     assert [str(finding) for finding in check_pages(kit, Hints(kit))] == []
 
 
@@ -97,7 +97,7 @@ def test_psychopy_s_readme_has_texts_as_written(kit) -> None:
 
 
 @pytest.mark.parametrize("tool", ["limesurvey", "qualtrics"])
-def test_maps_have_every_text(kit, tool) -> None:
+def test_maps_contain_every_answer_text(kit, tool) -> None:
     said = read_mapping(exported(kit, tool, "map.yaml"))
     assert {text: said.answers[text] for text in TEXTS.values()} == {text: label for label, text in TEXTS.items()}
 

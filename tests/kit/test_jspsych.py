@@ -24,7 +24,7 @@ CONFIDENCE = "ratings: {confidence: {question: How sure are you, low: not at all
 
 @pytest.fixture(scope="module")
 def jspsych_files(request, tmp_path_factory) -> Path:
-    """Get the release that the page names, once for all runs of the tests."""
+    """Download the release named by the page, once for all test runs."""
     npm = shutil.which("npm")
     if npm is None:
         pytest.skip("no npm: jsPsych cannot be got, and its page was NOT TRIED")
@@ -50,7 +50,7 @@ def jspsych_files(request, tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def exported(tmp_path_factory) -> Kit:
-    """Export a kit whose answers come in each participant's own order, with a slider beside them."""
+    """Export a kit with a separate order of answers for each participant and a slider."""
     folder = tmp_path_factory.mktemp("jspsych")
     text = STUDY.replace("duration: 1}", "duration: 0.6}") + "choices: random\n" + CONFIDENCE
     make_kit(folder, text)
@@ -78,7 +78,7 @@ def served(folder: Path):
 
 @pytest.fixture(scope="module")
 def address(exported, jspsych_files):
-    """Serve the export with jsPsych beside it."""
+    """Serve the export together with jsPsych."""
     folder = exported.folder.exports / "jspsych"
     shutil.copytree(jspsych_files, folder / "jspsych")
     with served(folder) as place:
@@ -87,7 +87,7 @@ def address(exported, jspsych_files):
 
 @pytest.fixture
 def page(browser):
-    """Open a page that may have no error."""
+    """Open a page, and fail on errors of its scripts."""
     opened = browser.new_page(viewport={"width": 390, "height": 844})
     errors = []
     opened.on("pageerror", lambda error: errors.append(str(error)))
@@ -120,7 +120,7 @@ def test_the_procedure_from_consent_to_analysis(exported, address, page, tmp_pat
             page.get_by_role("button", name="Watch again").wait_for()
         submit = page.get_by_role("button", name="Submit answer")
         page.get_by_label(given[code].title(), exact=True).check()
-        assert submit.is_disabled()  # the slider is where nobody put it
+        assert submit.is_disabled()  # the slider is at its default position
         page.get_by_label("How sure are you").press("ArrowRight")
         assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
         if place < 6:
@@ -234,7 +234,7 @@ thanks: {text: Thank you., link: "https://example.org/?back={panel}"}
     assert {row["panel"] for row in rows} == {"x1"}
 
 
-def test_who_does_not_agree_sees_no_video_and_leaves_no_data(address, page) -> None:
+def test_without_consent_no_video_is_shown_and_no_data_are_stored(address, page) -> None:
     downloads = []
     page.on("download", lambda download: downloads.append(download))  # noqa: PLW0108 - playwright cannot wrap append
     page.goto(address)
@@ -244,5 +244,5 @@ def test_who_does_not_agree_sees_no_video_and_leaves_no_data(address, page) -> N
     assert downloads == []
 
 
-def test_the_page_leaks_nothing(exported) -> None:
+def test_page_does_not_reveal_emotions(exported) -> None:
     assert audit(exported.folder.path).findings == ()

@@ -1,4 +1,4 @@
-"""The survey for LimeSurvey, as its importer reads it: texts as written, and the whole design."""
+"""The survey for LimeSurvey, as read by its importer: texts and design."""
 
 import json
 import re
@@ -47,7 +47,7 @@ def questions(rows: list[dict[str, str]]) -> dict[str, dict[str, str]]:
 
 
 def answers(rows: list[dict[str, str]], question: str) -> dict[str, str]:
-    """Return the answers of a question, code and text as seen."""
+    """Return the answers of a question, by code and displayed text."""
     found: dict[str, str] = {}
     place = next(i for i, row in enumerate(rows) if row["class"] == "Q" and row["name"] == question)
     for row in rows[place + 1 :]:
@@ -62,7 +62,7 @@ def paragraphs(text: str) -> list[str]:
 
 
 def endings(rows: list[dict[str, str]]) -> tuple[str, str]:
-    """Return the last page of who agreed, and of who did not."""
+    """Return the last pages with and without consent."""
     (end,) = (row["text"] for row in rows if row["name"] == "surveyls_endtext")
     found = re.fullmatch(r"\{if\(consent\.NAOK == 'Y', '([^'{}]*)', '([^'{}]*)'\)\}", end)
     assert found
@@ -88,13 +88,13 @@ def test_texts_are_shown_as_written(any_kit) -> None:
     assert seen(title) == [manifest.title]
 
 
-def test_no_text_is_taken_for_an_expression(any_kit) -> None:
+def test_texts_are_never_evaluated_as_expressions(any_kit) -> None:
     for row in survey(any_kit):
         allowed = row["name"] in ("surveyls_endtext", "videoset")
         assert allowed or not set("{}") & set(row["text"]), row
 
 
-def test_names_are_those_that_limesurvey_allows(any_kit) -> None:
+def test_question_names_are_valid_in_limesurvey(any_kit) -> None:
     rows = survey(any_kit)
     names = [row["name"] for row in rows if row["class"] == "Q"]
     assert len(set(names)) == len(names)
@@ -102,7 +102,7 @@ def test_names_are_those_that_limesurvey_allows(any_kit) -> None:
     assert all(len(row["name"]) <= 5 for row in rows if row["class"] == "A")
 
 
-def test_names_that_differ_in_an_underscore_stay_apart(tmp_path) -> None:
+def test_names_that_differ_only_in_an_underscore_stay_distinct(tmp_path) -> None:
     about = "\n".join(f'  - {{name: {name}, question: "Which {name}?"}}' for name in ("age_1", "age1", "a_ge1"))
     text = re.sub(r"demographics:\n.*\n", f"demographics:\n{about}\n", STUDY)
     asked = questions(survey(make_kit_of_placeholders(tmp_path, text)))
@@ -111,7 +111,7 @@ def test_names_that_differ_in_an_underscore_stay_apart(tmp_path) -> None:
     ]  # fmt: skip
 
 
-def test_only_who_agreed_sees_the_completion_code_and_the_way_back(german) -> None:
+def test_completion_code_and_return_link_are_shown_only_after_consent(german) -> None:
     agreed, declined = endings(survey(german))
     assert seen(agreed) == ["Danke!", "Ihr Abschlusscode: ABC123", "Zurück zum Rekrutierungsdienst"]
     assert links(agreed) == ["https://example.org/back?cc=1&x=2"]
@@ -119,7 +119,7 @@ def test_only_who_agreed_sees_the_completion_code_and_the_way_back(german) -> No
     assert links(declined) == []
 
 
-def test_a_long_consent_text_and_a_hard_last_page_stay_whole(tmp_path) -> None:
+def test_long_consent_text_and_special_characters_are_preserved(tmp_path) -> None:
     long = "Ein Satz mit \"Anführung\", 'Apostroph', {Klammer} und \\ Strich. " * 300
     text = STUDY.replace("You can stop at any time.", json.dumps(long[:20_000].strip()))
     last = {"text": "It's {done}, he said\\", "code": "'{x}'|\\"}
@@ -131,7 +131,7 @@ def test_a_long_consent_text_and_a_hard_last_page_stay_whole(tmp_path) -> None:
     assert seen(agreed) == ["It's {done}, he said\\", "Your completion code: '{x}'|\\"]
 
 
-def test_a_survey_in_another_language_has_no_english_headings(german) -> None:
+def test_survey_in_another_language_has_no_english_headings(german) -> None:
     settings = {row["name"]: row["text"] for row in survey(german) if row["class"] == "S"}
     assert settings["showgroupinfo"] == "X"
     assert settings["language"] == "de"
@@ -154,7 +154,7 @@ def test_ratings_are_sliders_with_their_own_steps_and_ends(german) -> None:
         assert [seen(part) for part in ends["text"].split("|")] == [[], [rating.low], [rating.high]]
 
 
-def test_who_sees_what_is_one_set_of_the_orders(sets) -> None:
+def test_each_participant_sees_one_set_of_the_orders(sets) -> None:
     rows = survey(sets)
     groups = [row for row in rows if row["class"] == "G" and row["random_group"] == "videos"]
     assert [row["name"] for row in groups] == sets.manifest.codes
@@ -170,7 +170,7 @@ def test_who_sees_what_is_one_set_of_the_orders(sets) -> None:
     assert all(row["relevance"].startswith("consent.NAOK == 'Y' and (") for row in groups)
 
 
-def test_the_name_of_a_question_is_in_exports_with_full_texts(german) -> None:
+def test_question_texts_start_with_the_question_name(german) -> None:
     for name, row in questions(survey(german)).items():
         wanted = name if "confidence" not in name else f"{name[:6]}_confidence"
         if "valence" in name or "arousal" in name:
@@ -192,7 +192,7 @@ def test_parts_that_limesurvey_changes_are_listed(german, sets) -> None:
     assert "- **sets of videos** (4, one for each participant, 3 videos each): carried differently." in readme
 
 
-def test_a_question_named_like_another_is_refused(tmp_path) -> None:
+def test_duplicate_question_names_are_refused(tmp_path) -> None:
     kit = make_kit_of_placeholders(tmp_path)
     text = STUDY.replace("name: gender", f"name: {kit.manifest.codes[0]}")
     kit = make_kit_of_placeholders(tmp_path / "again", text)

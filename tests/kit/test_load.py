@@ -25,12 +25,12 @@ def changed(*pairs: tuple[str, str]) -> str:
     return text
 
 
-def test_there_are_broken_studies() -> None:
+def test_examples_of_invalid_studies_exist() -> None:
     assert len(BROKEN) >= 45
 
 
 @pytest.mark.parametrize("path", BROKEN, ids=lambda path: path.stem)
-def test_a_broken_study_is_one_line_with_the_place(path, monkeypatch) -> None:
+def test_invalid_study_gives_one_line_with_file_and_line(path, monkeypatch) -> None:
     monkeypatch.chdir(ROOT)
     expected = path.read_text().splitlines()[0].removeprefix("# expected: ")
     assert expected.startswith(f"studies/errors/{path.name}:")
@@ -40,7 +40,7 @@ def test_a_broken_study_is_one_line_with_the_place(path, monkeypatch) -> None:
     assert caught.value.exit_code == 2
 
 
-def test_the_example_is_the_paper_s_procedure() -> None:
+def test_example_study_follows_the_procedure_of_the_paper() -> None:
     loaded = load_study(EXAMPLE)
     study = loaded.study
     assert [item.emotion for item in loaded.exemplars] == list(study.labels)
@@ -56,7 +56,7 @@ def test_the_example_is_the_paper_s_procedure() -> None:
 
 
 def keys_of(model: type[BaseModel], at: str = "") -> set[str]:
-    """Return the dotted keys of a model that is not repeated."""
+    """Return the dotted keys of a model, without list items."""
     found = set()
     for name, field in model.model_fields.items():
         found.add(at + name)
@@ -65,7 +65,7 @@ def keys_of(model: type[BaseModel], at: str = "") -> set[str]:
     return found
 
 
-def test_every_key_is_in_the_example_with_a_comment() -> None:
+def test_example_study_comments_every_key() -> None:
     text = (EXAMPLE / "study.yaml").read_text()
     _, places = read_yaml(text, "study.yaml")
     given = {".".join(map(str, path)) for path in places}
@@ -76,11 +76,11 @@ def test_every_key_is_in_the_example_with_a_comment() -> None:
     assert yaml.safe_load(commented[commented.index("next: Continue") :]) == words  # of the language en
     repeated = {"stimuli.0.scene", "demographics.0.name", "demographics.0.question", "demographics.0.choices"}
     assert repeated | {"demographics.0.required"} <= given
-    for key in ("video:", "emotion:", "set:", "steps:", "choices: null"):  # of what is there in other forms
+    for key in ("video:", "emotion:", "set:", "steps:", "choices: null"):  # of keys that exist in another form
         assert re.search(rf"^ *# .*{key}", text, re.MULTILINE)
 
 
-def test_values_left_out_are_those_of_the_example() -> None:
+def test_defaults_equal_the_values_of_the_example() -> None:
     study = load_study(EXAMPLE).study
     for group in ("texts", "vary", "video", "orders", "plan", "ratings", "ethics"):
         assert getattr(study, group) == type(getattr(study, group))()
@@ -91,7 +91,7 @@ def test_a_folder_and_its_file_are_the_same_study(tmp_path) -> None:
     assert load_study(folder).digest() == load_study(folder / "study.yaml").digest()
 
 
-def test_the_digest_follows_text_scenes_and_settings_but_not_participants_and_comments(tmp_path) -> None:
+def test_digest_depends_on_texts_scenes_and_settings_only(tmp_path) -> None:
     def digest(name: str, *pairs: tuple[str, str]) -> str:
         return load_study(write_study(tmp_path / name, changed(*pairs))).digest()
 
@@ -102,7 +102,7 @@ def test_the_digest_follows_text_scenes_and_settings_but_not_participants_and_co
     assert digest("e", ("scene: anger", "scene: fear\n    emotion: anger")) != first
 
 
-def test_a_scene_beside_the_study_is_found_from_it(tmp_path, monkeypatch) -> None:
+def test_scene_path_is_relative_to_the_study(tmp_path, monkeypatch) -> None:
     scene = (ROOT / "configs" / "fear.yaml").read_text()
     folder = write_study(tmp_path / "study", changed(("scene: fear", "scene: scenes/mine.yaml")))
     (folder / "scenes").mkdir()
@@ -122,7 +122,7 @@ def test_a_custom_scene_may_have_snapshots_after_the_end_of_the_stimuli(tmp_path
     assert (item.scene.duration, item.scene.snapshots) == (1, (0, 1))
 
 
-def test_the_view_can_be_a_factor(tmp_path) -> None:
+def test_view_can_be_a_factor(tmp_path) -> None:
     factors = (
         "factors:\n  view:\n    above: {video.view: overhead}\n    side: {video.view: perspective}\nset: {robots: 6}"
     )
@@ -145,7 +145,7 @@ def test_exemplars_and_factors_multiply_the_scenes(tmp_path) -> None:
     ]
 
 
-def test_what_a_stimulus_sets_goes_before_what_a_level_and_the_study_set(tmp_path) -> None:
+def test_stimulus_settings_override_level_and_study_settings(tmp_path) -> None:
     factors = "factors:\n  swarm:\n    few: {robots: 4, seed: 5}\n    many: {robots: 8}\nset: {robots: 6, seed: 6}"
     text = changed(("set: {robots: 6}", factors), ("scene: fear", "scene: fear\n    set: {robots: 3}"))
     items = {(i.emotion, i.factors["swarm"]): i.scene for i in load_study(write_study(tmp_path, text)).exemplars}
@@ -154,7 +154,7 @@ def test_what_a_stimulus_sets_goes_before_what_a_level_and_the_study_set(tmp_pat
 
 
 @pytest.mark.parametrize(("said", "found"), [("null", "has no emotion"), ("anger", "'anger' is not a label")])
-def test_a_scene_that_stands_for_no_label_is_told_where_to_say_one(tmp_path, said, found) -> None:
+def test_scene_without_a_label_gives_a_message_with_a_remedy(tmp_path, said, found) -> None:
     text = (ROOT / "configs" / "anger.yaml").read_text()
     assert text.count("\nemotion: anger") == 1
     labels = ("anger: Anger", "curiosity: Curiosity")
@@ -173,7 +173,7 @@ def test_a_scene_that_stands_for_no_label_is_told_where_to_say_one(tmp_path, sai
     [("participant_id", "is a column of the data"), ("consent", "is a page of the survey"),
      ("end", "is a page of the survey")],
 )  # fmt: skip
-def test_a_question_has_a_name_that_no_export_needs(tmp_path, name, why) -> None:
+def test_reserved_question_names_are_refused(tmp_path, name, why) -> None:
     with pytest.raises(EmovidError, match=f"study.yaml:14: demographics.0.name: '{name}' {why}: expected another name"):
         load_study(write_study(tmp_path, changed(("name: gender", f"name: {name}"))))
 
@@ -193,13 +193,13 @@ def test_a_stimulus_shows_its_whole_run(tmp_path, key, value) -> None:
         load_study(write_study(tmp_path, text))
 
 
-def test_a_finished_video_has_no_keys_of_a_scene(tmp_path) -> None:
+def test_external_video_refuses_scene_keys(tmp_path) -> None:
     text = changed(("scene: anger", "video: mine.mp4\n    emotion: anger\n    set: {robots: 3}"))
     with pytest.raises(EmovidError, match=r"stimuli\.2\.set: a finished video has no keys to set"):
         load_study(write_study(tmp_path, text))
 
 
-def test_a_file_too_large_for_a_study_is_not_read(tmp_path) -> None:
+def test_too_large_study_file_is_refused(tmp_path) -> None:
     (tmp_path / "study.yaml").write_text("# " + 2_000_000 * "x" + "\n")
     with pytest.raises(EmovidError, match=r"study\.yaml: too large for a study"):
         load_study(tmp_path)
@@ -211,7 +211,7 @@ def test_a_label_of_two_lines_is_refused(tmp_path) -> None:
         load_study(write_study(tmp_path, text))
 
 
-def test_a_file_that_is_no_text_is_refused(tmp_path) -> None:
+def test_binary_file_is_refused(tmp_path) -> None:
     (tmp_path / "study.yaml").write_bytes(b"title: \xff\xfe")
     with pytest.raises(EmovidError, match=r"study.yaml:1: not UTF-8 text"):
         load_study(tmp_path)

@@ -12,7 +12,7 @@ def box(kind: bytes, body: bytes = b"") -> bytes:
     return struct.pack(">I4s", 8 + len(body), kind) + body
 
 
-def test_boxes_are_found_inside_containers_with_their_places() -> None:
+def test_boxes_in_containers_are_found_with_their_offsets() -> None:
     large = struct.pack(">I4sQ", 1, b"mdat", 16 + 3) + b"abc"  # its size in 64 bits
     data = box(b"ftyp", b"isom") + box(b"moov", box(b"mvhd", b"1") + box(b"trak", box(b"tkhd"))) + large
     found = [(item.kind, item.start, len(item.body)) for item in boxes(data)]
@@ -33,13 +33,13 @@ def test_invalid_mp4_boxes_are_refused(data) -> None:
         list(boxes(box(b"ftyp", b"isom") + data))
 
 
-def test_only_the_last_box_is_room(tmp_path) -> None:
+def test_only_a_trailing_free_box_counts_as_padding(tmp_path) -> None:
     data = box(b"free", b"12") + box(b"mdat", b"abc")
     assert content_size(data) == len(data)
     assert content_size(data + box(b"free", bytes(5))) == len(data)
 
 
-def test_files_are_made_equally_long_and_stay_so(tmp_path) -> None:
+def test_files_are_padded_to_equal_length_once(tmp_path) -> None:
     short, long = tmp_path / "short.mp4", tmp_path / "long.mp4"
     short.write_bytes(box(b"mdat"))
     long.write_bytes(box(b"mdat", bytes(100)) + box(b"free", bytes(999)))
@@ -53,7 +53,7 @@ def test_files_are_made_equally_long_and_stay_so(tmp_path) -> None:
         pad_to_equal_size([short, long])
 
 
-def test_tables_of_frames_get_equal_sizes_and_every_frame_stays(tmp_path) -> None:
+def test_frame_tables_get_equal_sizes_and_keep_all_frames(tmp_path) -> None:
     kit = small_kit(tmp_path)
     videos = sorted((kit / "public" / "videos").iterdir())
     assert len({moov_size(video.read_bytes()) for video in videos}) == 1

@@ -13,14 +13,14 @@ SEEDS = st.integers(0, 2**64)
 
 
 def counts(rows) -> tuple[Counter, Counter]:
-    """Count by hand what stands in which place, and what follows what."""
+    """Count positions of videos and ordered pairs independently."""
     places = Counter((place, video) for row in rows for place, video in enumerate(row))
     pairs = Counter(pair for row in rows for pair in pairwise(row))
     return places, pairs
 
 
 @pytest.mark.parametrize("n", [2, 4, 6, 8, 10, 12])
-def test_a_williams_square_of_an_even_number_has_each_place_and_each_ordered_pair_once(n) -> None:
+def test_williams_square_of_even_size_has_each_position_and_ordered_pair_once(n) -> None:
     rows = williams_square(n)
     places, pairs = counts(rows)
     assert len(rows) == n
@@ -29,7 +29,7 @@ def test_a_williams_square_of_an_even_number_has_each_place_and_each_ordered_pai
 
 
 @pytest.mark.parametrize("n", [3, 5, 7, 9, 11])
-def test_an_odd_number_needs_a_pair_of_squares_that_has_each_twice(n) -> None:
+def test_odd_number_gives_a_pair_of_squares_with_each_ordered_pair_twice(n) -> None:
     rows = williams_square(n)
     places, pairs = counts(rows)
     assert len(rows) == 2 * n
@@ -40,7 +40,7 @@ def test_an_odd_number_needs_a_pair_of_squares_that_has_each_twice(n) -> None:
 
 
 @given(SCHEMES, st.integers(1, 9), st.integers(1, 70), SEEDS)
-def test_orders_are_balanced_as_their_scheme_says_for_any_number_of_participants(scheme, n, participants, seed) -> None:
+def test_orders_follow_their_scheme_for_any_number_of_participants(scheme, n, participants, seed) -> None:
     videos = [f"v{i}" for i in range(n)]
     orders = presentation_orders(scheme, videos, participants, seed)
     assert [sorted(order) for order in orders] == participants * [sorted(videos)]
@@ -58,7 +58,7 @@ def test_orders_are_balanced_as_their_scheme_says_for_any_number_of_participants
 
 
 @given(SCHEMES, st.integers(1, 8), st.integers(1, 40), st.integers(1, 40), SEEDS)
-def test_more_participants_begin_with_the_orders_of_fewer(scheme, n, fewer, more, seed) -> None:
+def test_orders_of_more_participants_begin_with_those_of_fewer(scheme, n, fewer, more, seed) -> None:
     orders = presentation_orders(scheme, [str(i) for i in range(n)], fewer + more, seed)
     assert orders[:fewer] == presentation_orders(scheme, [str(i) for i in range(n)], fewer, seed)
 
@@ -74,18 +74,18 @@ def test_random_orders_use_all_permutations() -> None:
     assert min(seen.values()) > 400
 
 
-def test_balance_counts_what_dropouts_left() -> None:
+def test_balance_counts_remaining_positions_after_dropouts() -> None:
     found = balance_of([("a", "b", "c"), ("b", "a", ""), ("", "c", "a")], "abc")
     assert found.places.tolist() == [[1, 1, 1], [1, 1, 0], [0, 1, 1]]
     assert found.pairs.tolist() == [[0, 1, 0], [1, 0, 1], [1, 0, 0]]
     assert (found.places_spread, found.pairs_spread) == (1, 1)
 
 
-def test_no_videos_and_no_orders_have_a_balance_too() -> None:
+def test_balance_without_videos_or_orders() -> None:
     assert balance_of([], "ab", 2).places.tolist() == [[0, 0], [0, 0]]
     assert np.array_equal(balance_of([("a",)], "a").places, [[1]])
     assert balance_of([], "a").pairs_range == balance_of([], "").places_range == (0, 0)
 
 
-def test_an_order_with_more_places_than_planned_has_a_balance_too() -> None:
+def test_balance_of_orders_longer_than_planned() -> None:
     assert balance_of([("a", "b", "a"), ("b",)], "ab", 2).places.tolist() == [[1, 0, 1], [1, 1, 0]]

@@ -1,4 +1,4 @@
-"""Practice, attention checks, questions after the videos, recruitment: carried, listed or refused, never left out."""
+"""Practice, attention checks, questions after the videos, recruitment: exported, listed or refused."""
 
 import re
 
@@ -51,21 +51,21 @@ def text_of(kit: Kit, tool: str, name: str) -> str:
 
 
 @pytest.mark.parametrize("tool", ["jspsych", "psychopy", "qualtrics", "limesurvey"])
-def test_every_part_is_in_the_table_of_every_tool(returns, tool) -> None:
+def test_every_part_is_listed_for_every_tool(returns, tool) -> None:
     parts = {part.name: part for part in check_export(returns, tool)}
     assert set(parts) >= PARTS
     assert all(part.support.note for part in parts.values() if part.support.status is not Status.CARRIED)
 
 
 @pytest.mark.parametrize("tool", ["jspsych", "psychopy", "qualtrics", "limesurvey"])
-def test_all_videos_go_along(kit, tool) -> None:
+def test_all_videos_are_copied(kit, tool) -> None:
     export(kit, tool)
     names = {path.stem for path in (kit.folder.exports / tool / "videos").iterdir()}
     assert names == set(kit.manifest.all_videos)
     assert len(names) == 9
 
 
-def test_further_languages_are_not_left_out_silently(tmp_path) -> None:
+def test_further_languages_are_reported_if_not_exported(tmp_path) -> None:
     labels = "{happiness: Freude, surprise: Staunen, anger: Wut, fear: Angst, disgust: Ekel, sadness: Trauer}"
     german = f"""translations:
   de:
@@ -85,7 +85,7 @@ def test_further_languages_are_not_left_out_silently(tmp_path) -> None:
         export(kit, "jspsych")
 
 
-def test_limesurvey_has_them_in_their_places(kit) -> None:
+def test_limesurvey_has_all_parts_in_order(kit) -> None:
     rows = rows_of(text_of(kit, "limesurvey", "survey.txt"))
     groups = [row["name"] if row["name"] not in kit.manifest.codes else "video" for row in rows if row["class"] == "G"]
     assert groups == ["Consent", "About you", "Instructions", "Practice", "video", "video", "Check", *4 * ["video"],
@@ -106,7 +106,7 @@ def test_limesurvey_has_them_in_their_places(kit) -> None:
     assert "&#123;purpose&#125;" in end
 
 
-def test_limesurvey_has_a_code_for_each_way_to_end(returns) -> None:
+def test_limesurvey_has_a_completion_code_for_each_outcome(returns) -> None:
     rows = rows_of(text_of(returns, "limesurvey", "survey.txt"))
     (end,) = (row["text"] for row in rows if row["name"] == "surveyls_endtext")
     found = re.fullmatch(
@@ -119,7 +119,7 @@ def test_limesurvey_has_a_code_for_each_way_to_end(returns) -> None:
     assert codes == [["D0NE"], ["FA1LED"], ["N0C0NSENT"]]
 
 
-def test_qualtrics_has_blocks_for_them(kit) -> None:
+def test_qualtrics_has_blocks_for_all_parts(kit) -> None:
     survey = text_of(kit, "qualtrics", "survey.txt")
     blocks = re.findall(r"^\[\[Block:(.*)\]\]$", survey, re.MULTILINE)
     assert blocks == ["Consent", "About you", "Instructions", "Practice", *kit.manifest.codes, "Check shape",
@@ -132,7 +132,7 @@ def test_qualtrics_has_blocks_for_them(kit) -> None:
     assert "PROLIFIC_PID, STUDY_ID, SESSION_ID" in readme
 
 
-def test_psychopy_s_readme_has_all_texts(kit) -> None:
+def test_psychopy_readme_has_all_texts(kit) -> None:
     readme = text_of(kit, "psychopy", "README.md")
     for words in ("Which <shape>?", "Any comments?", "The {purpose} of the study.", "Please use a computer."):
         assert words in readme
@@ -140,7 +140,7 @@ def test_psychopy_s_readme_has_all_texts(kit) -> None:
         assert f"videos/{check.video.code}.mp4, after {check.after} videos" in readme
 
 
-def test_a_page_without_a_server_refuses_codes_that_it_would_give_away(returns, capsys) -> None:
+def test_export_without_a_server_refuses_secret_completion_codes(returns, capsys) -> None:
     with pytest.raises(InputError, match="--to jspsych: cannot carry the design: codes for declining or failing"):
         export(returns, "jspsych")
     assert not (returns.folder.exports / "jspsych").exists()

@@ -1,4 +1,4 @@
-"""The data set by Psych-DS: everything that was recorded, under pseudonyms, and by the rules of the standard."""
+"""The data set by Psych-DS: all recorded data under pseudonyms, by the rules of the standard."""
 
 import csv
 import json
@@ -80,13 +80,13 @@ def check_rules(folder: Path) -> None:
     assert columns == set(described)
 
 
-def test_the_rules_hold_with_and_without_answers(kit, data_set, tmp_path) -> None:
+def test_data_set_is_valid_with_and_without_answers(kit, data_set, tmp_path) -> None:
     check_rules(data_set)
     export(kit, "psych-ds", tmp_path)
     check_rules(tmp_path)
 
 
-def test_every_recorded_column_is_there_with_its_values(kit, data_set) -> None:
+def test_every_recorded_column_is_exported_with_its_values(kit, data_set) -> None:
     found = answers_in(data_set)
     expected = trials()
     assert len(found) == len(expected) == 24
@@ -101,7 +101,7 @@ def test_every_recorded_column_is_there_with_its_values(kit, data_set) -> None:
     assert all(row["signalled"] == kit.key[row["video_code"]] for row in found)
 
 
-def test_the_row_of_the_orders_is_that_of_the_consent_page(kit, data_set) -> None:
+def test_order_row_matches_the_consent_page(kit, data_set) -> None:
     consent = {row["participant"]: row for path in JSPSYCH for row in rows_of(path) if row["order_index"]}
     expected = sorted(row["order_index"] for row in consent.values())
     people = {row["participant_id"]: row["order_row"] for row in answers_in(data_set)}
@@ -110,7 +110,7 @@ def test_the_row_of_the_orders_is_that_of_the_consent_page(kit, data_set) -> Non
         assert kit.orders[row["order_row"]][int(row["position"]) - 1] == row["video_code"]
 
 
-def test_ranges_are_described(data_set) -> None:
+def test_value_ranges_are_described(data_set) -> None:
     said = json.loads((data_set / "dataset_description.json").read_text(encoding="utf-8"))
     variables = {variable["name"]: variable for variable in said["variableMeasured"]}
     for name, most in (("confidence", 101), ("valence", 7), ("arousal", 9), ("position", 6)):
@@ -119,7 +119,7 @@ def test_ranges_are_described(data_set) -> None:
     assert (variables["plays"]["minValue"], variables["plays"]["maxValue"]) == (min(plays), max(plays))
 
 
-def test_no_name_and_no_free_text_is_published(kit, data_set) -> None:
+def test_names_and_free_text_are_not_published(kit, data_set) -> None:
     names = {participant for participant, _ in trials()} - set(kit.orders)
     assert len(names) == 2
     texts = [
@@ -135,7 +135,7 @@ def test_no_name_and_no_free_text_is_published(kit, data_set) -> None:
     assert "- answers to country, which are free text" in readme
 
 
-def test_answers_of_limesurvey_need_its_map(kit, tmp_path, monkeypatch, capsys) -> None:
+def test_limesurvey_answers_need_their_map(kit, tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     export(kit, "limesurvey")
     source = HERE / "exported" / "limesurvey_codes.csv"

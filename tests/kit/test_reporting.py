@@ -1,4 +1,4 @@
-"""Drafts of a preregistration and a checklist: every sentence is true for ten unlike kits."""
+"""Drafts of a preregistration and a checklist: every sentence is true for ten different kits."""
 
 import re
 import shutil
@@ -70,7 +70,7 @@ def spans(text: str) -> tuple[int, int]:
     return min(numbers), max(numbers)
 
 
-def test_the_balance_is_that_of_the_orders(kit) -> None:
+def test_balance_describes_the_orders(kit) -> None:
     said = fields(draft(kit))["Randomization"]
     shown = {tuple(sorted(order)) for order in kit.orders.values()}
     positions, following = [], []
@@ -112,7 +112,7 @@ def test_within_and_between_participants(kit) -> None:
     assert f"{len(kit.manifest.videos)} video" in said
 
 
-def test_emotions_and_tests_are_those_of_the_key(kit) -> None:
+def test_emotions_and_tests_follow_the_key(kit) -> None:
     model, criteria = (fields(draft(kit))[name] for name in ("Statistical models", "Inference criteria"))
     (named,) = found(r"for each emotion \(([^)]*)\)", model)
     assert re.split(r", | and ", named) == [label for label in LABELS if label in kit.key.values()]
@@ -131,7 +131,7 @@ def test_each_factor_needs_a_hypothesis_and_a_test(kit) -> None:
         assert f"- {factor}: few and many" in parts["Manipulated variables"]
 
 
-def test_simulations_and_finished_videos_are_told_apart(kit) -> None:
+def test_simulations_and_external_videos_are_distinguished(kit) -> None:
     scenes = [item.scene for item in kit.study.stimuli if item.scene]
     videos = [item for item in kit.study.stimuli if item.video]
     for text in (fields(draft(kit))["Study design"], draft(kit, "checklist.md")):
@@ -140,7 +140,7 @@ def test_simulations_and_finished_videos_are_told_apart(kit) -> None:
     assert "simulated swarm" not in draft(kit, "checklist.md")
 
 
-def test_ratings_none_and_groups_are_those_of_the_study(kit) -> None:
+def test_ratings_none_option_and_groups_follow_the_study(kit) -> None:
     parts = fields(draft(kit))
     ratings = [rating.name for rating in kit.manifest.ratings]
     assert ("does not analyze them" in parts["Statistical models"]) is bool(ratings)
@@ -160,14 +160,14 @@ def test_a_sample_below_the_plan_is_marked(kit) -> None:
     assert fields(draft(kit))["Sample size"] == f"{kit.manifest.participants} participants."
 
 
-def test_blinding_names_what_the_study_varies(kit) -> None:
+def test_blinding_text_names_the_variations_of_the_study(kit) -> None:
     text = fields(draft(kit))["Blinding"]
     for key, words in (("seed", "random starting positions"), ("turn", "starting phases"), ("mirror", "mirror images")):
         assert (words in text) is getattr(kit.study.vary, key)
     assert kit.manifest.key_commitment in text
 
 
-def test_facts_that_only_the_researcher_knows_stay_open(kit) -> None:
+def test_facts_known_only_to_the_researcher_are_left_open(kit) -> None:
     parts = fields(draft(kit))
     for name in ("Existing Data", "Stopping rule", "Is there any additional blinding in this study?"):
         assert parts[name].startswith(OPEN)
@@ -180,7 +180,7 @@ def test_facts_that_only_the_researcher_knows_stay_open(kit) -> None:
     assert (f"Approved by {OPEN}" in parts["Data collection procedures"]) is (kit.study.ethics.board is None)
 
 
-def test_no_code_of_a_video_is_in_a_draft(kit) -> None:
+def test_drafts_contain_no_video_code(kit) -> None:
     for name in ("preregistration.md", "aspredicted.md", "checklist.md"):
         text = draft(kit, name)
         assert not [code for code in kit.manifest.codes if code in text]
@@ -196,7 +196,7 @@ OSF = (
 )  # fmt: skip
 
 
-def test_the_fields_are_those_of_the_forms(fresh, tmp_path) -> None:
+def test_draft_has_the_fields_of_the_forms(fresh, tmp_path) -> None:
     export(open_kit(fresh), "prereg", tmp_path)
     headings = re.findall(r"^### (.*)$", (tmp_path / "preregistration.md").read_text(), re.MULTILINE)
     assert tuple(headings) == OSF
@@ -204,7 +204,7 @@ def test_the_fields_are_those_of_the_forms(fresh, tmp_path) -> None:
     assert numbered == list("12345678")
 
 
-def test_the_checklist_ticks_only_known_facts(kit) -> None:
+def test_checklist_checks_only_known_facts(kit) -> None:
     items = re.findall(r"^- \[(.)\] \*\*(.*?)\.\*\* (.*)$", draft(kit, "checklist.md"), re.MULTILINE)
     assert len(items) > 20
     for mark, name, answer in items:

@@ -1,4 +1,4 @@
-"""From a kit to a tool, and from the data in the tool's own form back to what was answered."""
+"""From a kit to a tool, and from the data files of the tool back to the given answers."""
 
 import csv
 import io
@@ -35,7 +35,7 @@ def kit(tmp_path_factory) -> Kit:
 
 @pytest.fixture(scope="module")
 def given(kit) -> dict[str, dict[str, str]]:
-    """Invent the label that each participant gives for each video."""
+    """Return an invented label for each participant and video."""
     labels = [choice.label for choice in kit.manifest.choices.labels]
     codes = kit.manifest.codes
     return {

@@ -16,21 +16,21 @@ def run_of(make_scene):
 
 
 def as_sets(poses):
-    """Sort the robots of each instant, so that swarms are compared whoever is who."""
+    """Sort the robots at each time, so that swarms are compared without robot numbers."""
     rounded = np.round(poses, 6) + 0.0
     return np.array([sorted(map(tuple, swarm[:, :2])) for swarm in rounded])
 
 
 @pytest.mark.parametrize("emotion", ["happiness", "surprise", "sadness"])
-def test_the_mirror_image_of_a_contour_s_run_is_the_run_the_other_way_round(run_of, emotion) -> None:
-    # Places that are their own mirror image: an even number of robots, and five ripples, since sin 5(pi - x) = sin 5x.
+def test_mirrored_contour_run_is_the_run_in_the_other_direction(run_of, emotion) -> None:
+    # Positions equal to their mirror image: an even number of robots, and five ripples, since sin 5(pi - x) = sin 5x.
     keys = {"robots": 8} | ({"behaviour.f": 5} if emotion == "happiness" else {})
     run = run_of(emotion, **keys)
     back = run_of(emotion, **keys, **{"behaviour.angular_rate": -run.scene.behaviour.angular_rate})
     assert np.allclose(as_sets(mirrored(run).at(TIMES)), as_sets(back.at(TIMES)), atol=2e-6)
 
 
-def test_a_ring_turned_by_one_robot_s_place_is_the_ring_with_the_robots_renamed(run_of) -> None:
+def test_ring_turned_by_one_robot_spacing_equals_the_ring_with_robots_renumbered(run_of) -> None:
     run = run_of("sadness")
     step = turned(run, 2 * np.pi / 15, (0.0, 0.0)).at(TIMES)
     assert np.allclose(step[:, :-1, :2], run.at(TIMES)[:, 1:, :2], atol=1e-9)
@@ -38,7 +38,7 @@ def test_a_ring_turned_by_one_robot_s_place_is_the_ring_with_the_robots_renamed(
 
 @pytest.mark.parametrize("emotion", ["fear", "anger", "happiness"])
 @pytest.mark.parametrize("change", [mirrored, lambda run: turned(run, 2.1, (0.03, -0.02))], ids=["mirror", "turn"])
-def test_commands_still_lead_from_pose_to_pose(run_of, emotion, change) -> None:
+def test_transformed_commands_lead_from_pose_to_pose(run_of, emotion, change) -> None:
     run = change(run_of(emotion))
     ends = run.at(np.nextafter(run.t[1:], 0))
     assert np.allclose(ends[..., :2], run.poses[1:, :, :2], atol=1e-9)
@@ -46,7 +46,7 @@ def test_commands_still_lead_from_pose_to_pose(run_of, emotion, change) -> None:
 
 
 @pytest.mark.parametrize("emotion", ["fear", "surprise"])
-def test_distances_and_speeds_stay(run_of, emotion) -> None:
+def test_distances_and_speeds_are_invariant(run_of, emotion) -> None:
     run = run_of(emotion)
     for other in (mirrored(run), turned(run, 1.0, (0.0, 0.1))):
         between = [np.linalg.norm(p[:, :, None, :2] - p[:, None, :, :2], axis=-1) for p in (run.poses, other.poses)]
@@ -54,7 +54,7 @@ def test_distances_and_speeds_stay(run_of, emotion) -> None:
         assert np.array_equal(np.abs(other.commands), np.abs(run.commands))
 
 
-def test_two_mirror_images_are_the_run_itself(run_of) -> None:
+def test_mirroring_twice_gives_the_original_run(run_of) -> None:
     run = run_of("anger")
     assert np.allclose(mirrored(mirrored(run)).poses[..., :2], run.poses[..., :2])
 

@@ -15,7 +15,7 @@ from tests.helpers.visitor import Clock, Visitor
 
 @pytest.fixture(scope="session")
 def fresh(tmp_path_factory) -> Path:
-    """Build a kit of six very small videos, which no test may change."""
+    """Build a kit of six very small videos that tests must not change."""
     return small_kit(tmp_path_factory.mktemp("survey"))
 
 
@@ -44,7 +44,7 @@ def store(opened, tmp_path, clock):
 
 @pytest.fixture(scope="session")
 def pages(fresh, tmp_path_factory) -> Flask:
-    """Make the application once: its templates are compiled when they are first shown."""
+    """Make the application once: its templates are compiled at their first use."""
     opened = open_public(fresh)
     store = Store(tmp_path_factory.mktemp("pages") / "none.sqlite", opened.manifest.key_commitment)
     store.close()
@@ -59,5 +59,5 @@ def app(pages, opened, store) -> Flask:
 
 @pytest.fixture
 def visitor(app, clock) -> Callable[[], Visitor]:
-    """Open a browser of its own for a participant."""
+    """Open a separate browser for a participant."""
     return lambda: Visitor(app, clock)

@@ -1,4 +1,4 @@
-"""The survey without a mouse or without eyes: axe-core on every page, the keyboard alone, what a reader is told."""
+"""Accessibility of the survey: axe-core on every page, keyboard operation, names for screen readers."""
 
 import re
 
@@ -28,14 +28,14 @@ def page(request, browser):
 
 
 def check(page) -> None:
-    """Hold a page against axe-core's rules, and against a screen that need not be scrolled sideways."""
+    """Check a page with axe-core, and that it does not scroll horizontally."""
     found = playwright_axe.Axe().run(page).response["violations"]
     said = [f"{page.url}: {fault['id']}: {fault['help']} {fault['nodes'][0]['html']}" for fault in found]
     assert said == []
     assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth"), page.url
 
 
-def test_no_page_has_a_fault_that_axe_core_knows(page, server) -> None:
+def test_pages_have_no_axe_core_violations(page, server) -> None:
     page.goto(f"{server.address}/")
     check(page)
     page.get_by_role("button", name="I agree").click()
@@ -67,13 +67,13 @@ def test_no_page_has_a_fault_that_axe_core_knows(page, server) -> None:
         check(page)
 
 
-# A radio's label shows the focus for it.
+# The label of a radio button shows its focus.
 OUTLINED = """() => [document.activeElement, document.activeElement.closest("label")].some(
     (element) => element && getComputedStyle(element).outlineStyle !== "none")"""
 
 
 def press_until(page, selector: str, key: str = "Tab") -> None:
-    """Go on with a key until something has the focus, which must be seen."""
+    """Press a key until an element has the focus, and check that the focus is visible."""
     for _ in range(30):
         page.keyboard.press(key)
         if page.evaluate("wanted => document.activeElement.matches(wanted)", selector):
@@ -82,7 +82,7 @@ def press_until(page, selector: str, key: str = "Tab") -> None:
     raise AssertionError(f"{page.url}: {selector} cannot be reached with {key}")
 
 
-def test_the_keyboard_alone_is_enough(browser, server) -> None:
+def test_survey_can_be_completed_by_keyboard(browser, server) -> None:
     context = browser.new_context(**DESKTOP)
     page = context.new_page()
     page.goto(f"{server.address}/")
@@ -112,7 +112,7 @@ def test_the_keyboard_alone_is_enough(browser, server) -> None:
     context.close()
 
 
-def test_a_screen_reader_gets_the_names_of_groups_and_controls(browser, server) -> None:
+def test_groups_and_controls_have_accessible_names(browser, server) -> None:
     context = browser.new_context(**DESKTOP)
     page = context.new_page()
     page.goto(f"{server.address}/")

@@ -1,4 +1,4 @@
-"""What pages must stand: questions with the names of their own parts, odd addresses, a hasty second play."""
+"""Unusual situations: questions named like page elements, invalid URLs, an early second play."""
 
 import pytest
 
@@ -31,7 +31,7 @@ def person(browser, server):
     present.leave()
 
 
-def test_questions_called_as_parts_of_the_page_are_sent_and_a_lost_connection_is_seen(person, server) -> None:
+def test_questions_named_like_page_elements_are_sent_and_connection_loss_is_shown(person, server) -> None:
     page = person.page
     page.get_by_role("button", name="I agree").click()
     page.wait_for_url("**/about")
@@ -47,13 +47,13 @@ def test_questions_called_as_parts_of_the_page_are_sent_and_a_lost_connection_is
     assert page.get_by_label("Which state do you live in?").input_value() == "Ohio"
 
 
-def test_an_address_with_something_else_than_a_code_asks_for_the_code(person, server) -> None:
+def test_invalid_code_in_the_url_asks_for_the_code(person, server) -> None:
     person.page.goto(f"{server.address}/resume#100%")
     assert person.page.get_by_label("Your code").input_value() == "100%"
     assert person.page.url == f"{server.address}/resume"
 
 
-def test_a_play_that_has_to_wait_is_told_as_itself_though_the_next_has_begun(person) -> None:
+def test_delayed_play_report_keeps_its_identity_after_the_next_play_begins(person) -> None:
     told = []
 
     def answer(route) -> None:
@@ -67,6 +67,6 @@ def test_a_play_that_has_to_wait_is_told_as_itself_though_the_next_has_begun(per
     person.begin()
     person.play()
     person.page.get_by_text("One moment.").wait_for()
-    person.play()  # again, while the first is still being told
+    person.play()  # again, while the first is still being reported
     person.watched()
     assert told[1] == told[0]

@@ -1,4 +1,4 @@
-"""The player in Chromium and Firefox: what counts as watched, videos that fail, lost connections, long answers."""
+"""The player in Chromium and Firefox: complete plays, failed videos, lost connections, long answers."""
 
 import csv
 import io
@@ -13,7 +13,7 @@ from tests.helpers.participant import Participant
 from tests.helpers.served import serving
 from tests.helpers.small_survey import STUDY, small_kit
 
-# A reading of the player's clock that is late once by 0.4 s, as Firefox gives it on a busy machine.
+# A reading of the player clock that is late by 0.4 s once, as in Firefox on a busy machine.
 LATE = """(() => {
   const of = Object.getOwnPropertyDescriptor(HTMLMediaElement.prototype, "currentTime");
   let late = false, seen = 0;
@@ -60,7 +60,7 @@ def begin(page, server) -> None:
     page.wait_for_url("**/video/1")
 
 
-def test_a_late_reading_of_the_clock_takes_nothing_away(page, server) -> None:
+def test_delayed_clock_reading_does_not_reduce_the_watched_time(page, server) -> None:
     page.add_init_script(LATE)
     begin(page, server)
     page.locator("#play").click()
@@ -76,7 +76,7 @@ def test_jumps_and_faster_playback_do_not_open_the_question(page, server) -> Non
     assert page.evaluate("document.getElementById('gate').disabled")
 
 
-def test_a_video_that_fails_says_so_and_plays_once_the_network_is_back(page, server) -> None:
+def test_failed_video_is_reported_and_plays_after_reconnecting(page, server) -> None:
     begin(page, server)
     page.context.route("**/media/**", lambda route: route.abort())
     page.reload()
@@ -87,7 +87,7 @@ def test_a_video_that_fails_says_so_and_plays_once_the_network_is_back(page, ser
     page.locator("#gate:enabled").wait_for()
 
 
-def test_long_answers_in_japanese_are_sent_and_unsent_text_is_warned_of(page, server, kit) -> None:
+def test_long_japanese_answers_are_sent_and_unsent_text_gives_a_warning(page, server, kit) -> None:
     page.goto(f"{server.address}/")
     page.locator("button[value=agree]").click()
     page.wait_for_url("**/about")
@@ -106,7 +106,7 @@ def test_long_answers_in_japanese_are_sent_and_unsent_text_is_warned_of(page, se
     store.close()
 
 
-def test_consent_without_a_connection_says_so_and_goes_on_when_it_is_back(browser, kit) -> None:
+def test_consent_without_a_connection_is_reported_and_continues_after_reconnecting(browser, kit) -> None:
     with serving(kit) as own:
         person = Participant(browser, own.address, 1)
         own.kill()
@@ -118,9 +118,9 @@ def test_consent_without_a_connection_says_so_and_goes_on_when_it_is_back(browse
 
 
 @pytest.mark.skipif(path_of_firefox() is None, reason="no Firefox: its pages were NOT TRIED in it")
-def test_in_firefox_a_participant_goes_from_the_consent_to_the_thanks_in_arabic(server, kit) -> None:
+def test_arabic_survey_can_be_completed_in_firefox(server, kit) -> None:
     with firefox() as window:
-        window.resize(420, 900)  # about a phone's width
+        window.resize(420, 900)  # about the width of a phone
         window.open(f"{server.address}/")
         window.click("button[value=agree]")
         window.wait_for("/about")

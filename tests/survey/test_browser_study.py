@@ -1,4 +1,4 @@
-"""A whole study, rehearsed: twelve participants in a real browser, and what they clicked against what is analysed."""
+"""A whole study, rehearsed: twelve participants in a real browser, and what they clicked against what is analyzed."""
 
 import json
 
@@ -22,7 +22,7 @@ def kit(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def people(browser, kit):
-    """Let all take part at once: some go back, watch again, reload, lose their tab; the server is killed meanwhile."""
+    """Run all participants in parallel: some go back, replay, reload or lose their tab; the server is killed."""
     with serving(kit) as server:
         present = [Participant(browser, server.address, number) for number in range(PEOPLE)]
         for person in present:
@@ -41,7 +41,7 @@ def people(browser, kit):
 
 
 def see(place: int, present: list[Participant], server: Server) -> None:
-    """Let all watch and answer one video; some do more."""
+    """Let all participants watch and answer one video; some also go back or reload."""
     reload, crash, again, back = ({2: 0, 3: 1, 5: 2, 4: 3}.get(place) == k for k in range(4))
     for person in present:
         person.play()
@@ -70,7 +70,7 @@ def table(people, kit) -> pd.DataFrame:
     return pd.read_csv(target)
 
 
-def test_every_click_is_in_the_export_and_nothing_else(people, table) -> None:
+def test_export_contains_exactly_the_clicks(people, table) -> None:
     recorded = {
         tuple(sorted(zip(rows["video"], rows["response"], rows["first_response"], rows["gender"], strict=True)))
         for _, rows in table.groupby("participant")
@@ -84,7 +84,7 @@ def test_every_click_is_in_the_export_and_nothing_else(people, table) -> None:
     assert set(table["status"]) == {"finished"}
 
 
-def test_the_analysis_counts_what_was_clicked(people, table, kit) -> None:
+def test_analysis_counts_the_clicked_answers(people, table, kit) -> None:
     folder = kit.parent
     key = pd.read_csv(kit / "private" / "key.csv").set_index("video_code")["true_emotion"]
     arguments = [
@@ -105,10 +105,12 @@ def test_the_analysis_counts_what_was_clicked(people, table, kit) -> None:
     assert results["counts"] == expected.tolist()
 
 
-def test_events_are_those_that_happened(people, table) -> None:
+def test_events_match_the_actions_of_participants(people, table) -> None:
     assert (table["watched_share"] >= 0.98).all()
     assert (table["plays"] >= 1).all()
-    assert (table.groupby("participant")["plays"].sum() > 6).sum() >= 9  # who reloaded, lost the tab or watched again
+    assert (
+        table.groupby("participant")["plays"].sum() > 6
+    ).sum() >= 9  # those who reloaded, lost the tab or watched again
     assert table["changes"].sum() == sum(
         person.first[code] != last for person in people for code, last in person.last.items()
     )
@@ -117,7 +119,7 @@ def test_events_are_those_that_happened(people, table) -> None:
     assert set(table["response"]) <= set(LABELS)
 
 
-def test_orders_are_those_of_the_kit_each_once(people, table, kit) -> None:
+def test_each_order_of_the_kit_is_used_once(people, table, kit) -> None:
     orders = pd.read_csv(kit / "orders.csv")
     planned = {tuple(rows.sort_values("position")["video_code"]) for _, rows in orders.groupby("participant")}
     shown = [tuple(rows.sort_values("position")["video"]) for _, rows in table.groupby("participant")]

@@ -1,4 +1,4 @@
-"""What must be refused, tried."""
+"""Attempts that the survey must refuse."""
 
 import re
 import sys
@@ -37,7 +37,7 @@ def everything(store, opened) -> str:
 
 @pytest.fixture
 def someone(visitor) -> Visitor:
-    """Enrol somebody who may answer the first video."""
+    """Enroll a participant who may answer the first video."""
     found = visitor().begin()
     assert found.watch(1).json["open"]
     return found
@@ -45,7 +45,7 @@ def someone(visitor) -> Visitor:
 
 @pytest.mark.parametrize("path", POSTS)
 @pytest.mark.parametrize("forged", ["", "0" * 64, "another's"])
-def test_nothing_is_taken_without_the_token_of_our_own_page(someone, visitor, store, opened, path, forged) -> None:
+def test_posts_without_the_form_token_are_refused(someone, visitor, store, opened, path, forged) -> None:
     someone.answer(1, "fear")
     before = everything(store, opened)
     token = visitor().token if forged == "another's" else forged
@@ -67,7 +67,7 @@ def test_other_methods_change_nothing(someone, method) -> None:
     assert getattr(someone.client, method)("/video/1").status_code in (403, 405)
 
 
-def test_nobody_sees_or_changes_another_s_answers(visitor, store, opened) -> None:
+def test_participants_cannot_see_or_change_answers_of_others(visitor, store, opened) -> None:
     first, second = visitor().begin(), visitor().begin()
     for one, response in ((first, "fear"), (second, "anger")):
         one.watch(1)
@@ -93,7 +93,7 @@ def test_the_form_of_one_participant_cannot_be_sent_as_another(visitor) -> None:
     assert second.chosen(1) == ""
 
 
-def test_the_gate_cannot_be_skipped_by_a_direct_post(visitor, store, opened) -> None:
+def test_unwatched_video_cannot_be_answered_by_a_direct_post(visitor, store, opened) -> None:
     hasty = visitor().begin()
     assert hasty.answer(1, "fear").status_code == 409
     hasty.get("/video/1")
@@ -107,7 +107,7 @@ def test_the_gate_cannot_be_skipped_by_a_direct_post(visitor, store, opened) -> 
     hasty.clock.now += 0.97
     assert hasty.report("/video/1/watched", play="0" * 16, share=1).json["open"] is False
     assert hasty.answer(1, "fear").status_code == 409
-    hasty.clock.now += 100  # time alone is not enough
+    hasty.clock.now += 100  # elapsed time alone is not enough
     assert hasty.answer(1, "fear").status_code == 409
     assert hasty.report("/video/1/watched", play="0" * 16, share=0.97).json == {"open": False, "wait": 0}
     assert "fear" not in everything(store, opened).replace("fear|", "").replace("|fear", "")  # no answer
@@ -115,7 +115,7 @@ def test_the_gate_cannot_be_skipped_by_a_direct_post(visitor, store, opened) -> 
     assert hasty.answer(1, "fear").location == "/video/2"
 
 
-def test_a_play_of_one_video_or_of_another_participant_opens_no_other(visitor) -> None:
+def test_plays_of_other_videos_or_participants_do_not_open_a_question(visitor) -> None:
     first, second = visitor().begin(), visitor().begin()
     first.report("/video/1/play", play="a" * 16)
     first.clock.now += 5
@@ -128,17 +128,17 @@ def test_a_play_of_one_video_or_of_another_participant_opens_no_other(visitor) -
 
 
 @pytest.mark.parametrize("report", [{}, {"play": 7}, {"play": "x" * 16}, {"play": "0" * 17}, [], "text", 7])
-def test_a_report_that_the_player_does_not_send_is_refused(someone, report) -> None:
+def test_invalid_player_reports_are_refused(someone, report) -> None:
     for path in ("/video/1/play", "/video/1/watched"):
         reply = someone.client.post(path, json=report, headers={"X-Form-Token": someone.token})
         assert reply.status_code == 400
 
 
-def test_sizes_and_frames_that_cannot_be_are_not_believed(someone, store) -> None:
+def test_impossible_sizes_and_frame_counts_are_ignored(someone, store) -> None:
     odd = {"device": "<b>", "width": 1e300, "height": -4, "frames": "many", "dropped": float("nan")}
     assert someone.report("/video/1/play", play="f" * 16, **odd).status_code == 200
     assert someone.report("/video/1/watched", play="f" * 16, share=0, **odd).status_code == 200
-    huge = {"share": 10**400, "frames": 10**400}  # no float is as large
+    huge = {"share": 10**400, "frames": 10**400}  # larger than any float
     assert someone.report("/video/1/watched", play="f" * 16, **huge, dropped=-(10**400)).status_code == 200
     with store._data.reading() as sql:
         kept = sql.execute("SELECT device, width, height, frames, dropped FROM plays WHERE play = ?", ("f" * 16,))
@@ -146,7 +146,7 @@ def test_sizes_and_frames_that_cannot_be_are_not_believed(someone, store) -> Non
 
 
 @pytest.mark.parametrize("text", INJECTIONS)
-def test_no_text_is_taken_for_sql_html_a_header_or_a_path(someone, store, opened, text) -> None:
+def test_texts_are_not_interpreted_as_sql_html_header_or_path(someone, store, opened, text) -> None:
     assert someone.answer(1, text).status_code == 400
     assert someone.answer(1, "fear").location == "/video/2"
     said = someone.post("/about", gender="Man", country=text)
@@ -172,7 +172,7 @@ def test_text_is_shown_as_it_was_written(someone) -> None:
     assert 'value="&lt;b&gt;&#34;&amp;&#39;"' in someone.get("/about").text
 
 
-def test_a_study_s_own_texts_are_no_html(kit, tmp_path, clock) -> None:
+def test_study_texts_are_escaped_in_html(kit, tmp_path, clock) -> None:
     manifest = kit / "public" / "manifest.json"
     manifest.write_text(manifest.read_text().replace("Watch each video to its end.", "<script>alert(1)</script>"))
     opened, store = open_survey(kit, pilot=False, create=True)
@@ -191,7 +191,7 @@ def test_a_study_s_own_texts_are_no_html(kit, tmp_path, clock) -> None:
      "/orders.csv", "/manifest.json", "/answers/answers.sqlite", "/video/0", "/video/-1", "/video/1.5",
      "/video/99999999999999999999", "/console", "/static/"],
 )  # fmt: skip
-def test_no_path_leads_out_of_the_pages(someone, path) -> None:
+def test_paths_cannot_leave_the_page_folder(someone, path) -> None:
     reply = someone.get(path)
     assert reply.status_code == (303 if path.startswith(("/video/0", "/video/9")) else 404)
     assert b"true_emotion" not in reply.data
@@ -199,14 +199,14 @@ def test_no_path_leads_out_of_the_pages(someone, path) -> None:
     assert "/private" not in reply.text.replace(path, "")
 
 
-def test_videos_are_for_participants_and_their_own(visitor, someone, opened) -> None:
+def test_videos_are_served_only_to_their_participants(visitor, someone, opened) -> None:
     code = opened.orders["P001"][0]
     assert someone.get(f"/media/{code}.mp4").status_code == 200
     assert visitor().get(f"/media/{code}.mp4").status_code == 404
     assert someone.get("/media/bbbbbb.mp4").status_code == 404
 
 
-def test_parts_of_a_video_are_the_bytes_that_were_asked_for(someone, opened) -> None:
+def test_range_requests_return_the_requested_bytes(someone, opened) -> None:
     code = opened.orders["P001"][0]
     whole = opened.folder.video(code).read_bytes()
     path = f"/media/{code}.mp4"
@@ -221,7 +221,7 @@ def test_parts_of_a_video_are_the_bytes_that_were_asked_for(someone, opened) -> 
     assert someone.get(path, headers={"If-None-Match": tag}).status_code == 304
 
 
-def test_bodies_and_fields_have_an_end(someone, store, opened) -> None:
+def test_request_bodies_and_fields_are_limited(someone, store, opened) -> None:
     before, limit = everything(store, opened), body_limit(opened.manifest.demographics)
     token = someone.token
     for reply in (
@@ -237,32 +237,32 @@ def test_bodies_and_fields_have_an_end(someone, store, opened) -> None:
 
 
 @pytest.mark.parametrize("path", PAGES)
-def test_every_page_forbids_what_it_does_not_need(someone, path) -> None:
+def test_every_page_has_a_restrictive_security_policy(someone, path) -> None:
     headers = someone.get(path).headers
     policy = dict(part.strip().split(" ", 1) for part in headers["Content-Security-Policy"].split(";"))
     assert policy["default-src"] == "'none'"
     assert policy["frame-ancestors"] == policy["base-uri"] == "'none'"
     assert all(policy[name] == "'self'" for name in ("script-src", "style-src", "connect-src", "form-action"))
-    assert policy["media-src"] == "'self' blob:"  # videos are played from memory, once they are there whole
+    assert policy["media-src"] == "'self' blob:"  # videos are played from memory once they are loaded completely
     assert (headers["X-Content-Type-Options"], headers["X-Frame-Options"]) == ("nosniff", "DENY")
     assert (headers["Referrer-Policy"], headers["Cache-Control"]) == ("no-referrer", "no-store")
 
 
 @pytest.mark.parametrize("path", PAGES)
-def test_pages_need_nothing_from_elsewhere_and_no_script_inside_them(someone, path) -> None:
+def test_pages_use_no_external_resources_and_no_inline_scripts(someone, path) -> None:
     page = someone.get(path, follow_redirects=True).text
     assert not re.search(r'(src|href|action)="(?!/|#|https://example\.org/back)', page)
     assert not re.search(r"<script(?! src=)|<style|\sstyle=|\son\w+=", page)
 
 
-def test_cookies_are_for_the_server_alone_and_by_tls_where_there_is_tls(opened, store, clock) -> None:
+def test_cookies_are_http_only_and_secure_with_tls(opened, store, clock) -> None:
     plain = create_app(opened, store).test_client().get("/").headers["Set-Cookie"]
     assert re.fullmatch(r"emovid=[a-z0-9]{24}; .*HttpOnly; Path=/; SameSite=Lax", plain)
     secure = create_app(opened, store, https=True).test_client().get("/").headers["Set-Cookie"]
     assert re.fullmatch(r"__Host-emovid=[a-z0-9]{24}; .*Secure; HttpOnly; Path=/; SameSite=Lax", secure)
 
 
-def test_codes_cannot_be_planted_before_the_consent_by_a_form_of_another_site(visitor) -> None:
+def test_other_sites_cannot_set_a_code_before_consent(visitor) -> None:
     victim = visitor()
     victim.get("/")
     cookie = victim.cookie
@@ -272,7 +272,7 @@ def test_codes_cannot_be_planted_before_the_consent_by_a_form_of_another_site(vi
     assert victim.cookie == cookie
 
 
-def test_a_failure_inside_shows_nothing_of_the_inside(someone, store, monkeypatch, caplog) -> None:
+def test_internal_errors_reveal_no_details(someone, store, monkeypatch, caplog) -> None:
     def broken(*_: object) -> None:
         raise OSError("/secret/path: disk full")
 
@@ -285,7 +285,7 @@ def test_a_failure_inside_shows_nothing_of_the_inside(someone, store, monkeypatc
     assert "disk full" in caplog.text
 
 
-def test_redirects_stay_here_whatever_host_is_claimed(someone) -> None:
+def test_redirects_ignore_the_host_header(someone) -> None:
     for host in ("evil.example", "evil.example/..", "localhost:99999"):
         reply = someone.client.post(
             "/video/1", data={"form-token": someone.token, "response": "fear"}, headers={"Host": host}
@@ -293,7 +293,7 @@ def test_redirects_stay_here_whatever_host_is_claimed(someone) -> None:
         assert "evil" not in reply.text + reply.headers.get("Location", "")
 
 
-def test_the_survey_runs_without_the_private_folder_and_never_opens_it(kit, clock) -> None:
+def test_survey_never_opens_the_private_folder(kit, clock) -> None:
     touched = []
 
     def listen(event: str, arguments: tuple[object, ...]) -> None:
@@ -313,8 +313,8 @@ def test_the_survey_runs_without_the_private_folder_and_never_opens_it(kit, cloc
     assert open_public(kit).key == {}
 
 
-def test_no_page_and_no_file_tells_a_label_of_a_video(visitor, fresh, opened, store) -> None:
-    """Labels are answers to choose from; beside a code, or in an order that follows the key, none stands."""
+def test_pages_and_files_do_not_reveal_labels_of_videos(visitor, fresh, opened, store) -> None:
+    """Labels appear only as answers to choose from, never next to a code or in the order of the key."""
     someone = visitor()
     seen = [someone.get("/").text]
     someone.begin()

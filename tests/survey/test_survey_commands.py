@@ -22,7 +22,7 @@ from tests.helpers.visitor import Clock, Visitor
 
 @pytest.fixture(autouse=True)
 def elsewhere(kit, monkeypatch) -> None:
-    """Work beside a kit of one's own."""
+    """Work in a folder with a copy of the kit."""
     monkeypatch.chdir(kit.parent)
 
 
@@ -43,7 +43,7 @@ def take_part(answers: list[list[str]], *, pilot: bool = False, submit: bool = T
     return visitors
 
 
-def test_the_analysis_counts_the_answers_given(capsys) -> None:
+def test_analysis_counts_the_given_answers(capsys) -> None:
     answers = [[LABELS[(i + j * j) % 6] for j in range(6)] for i in range(4)]
     take_part(answers)
     take_part([["fear"] * 3, []], submit=False)
@@ -69,7 +69,7 @@ def test_the_analysis_counts_the_answers_given(capsys) -> None:
     assert "4 participants, 4 with all videos, 24 answers" in capsys.readouterr().out
 
 
-def test_the_export_holds_codes_and_no_label_of_a_video(capsys) -> None:
+def test_export_has_video_codes_but_no_true_labels(capsys) -> None:
     take_part([["fear"] * 6])
     assert main(["study", "responses", "kit", "-o", "new/out.csv", "-q"]) == 0
     assert capsys.readouterr().err == ""
@@ -96,7 +96,7 @@ def test_a_file_of_something_else_is_not_replaced_by_answers(capsys) -> None:
     assert Path("answers.csv").read_text() == "mine"
 
 
-def test_pilot_answers_are_kept_apart_and_left_out_of_the_analysis(capsys) -> None:
+def test_pilot_answers_are_marked_and_excluded_from_the_analysis(capsys) -> None:
     take_part([["fear"] * 6], pilot=True)
     assert main(["study", "responses", "kit"]) == 2
     assert capsys.readouterr().err == (
@@ -115,14 +115,14 @@ def test_pilot_answers_are_kept_apart_and_left_out_of_the_analysis(capsys) -> No
     assert mixed.dropped == {"pilot": 1}
 
 
-def test_progress_counts_everybody_and_the_balance(capsys) -> None:
+def test_progress_shows_participants_and_balance(capsys) -> None:
     visitors = take_part([["fear"] * 6] * 4)
     take_part([["fear"]], submit=False)
     assert main(["study", "withdraw", "kit", readable(visitors[0].cookie), "-q"]) == 0
     assert main(["study", "progress", "kit"]) == 0
     out = capsys.readouterr().out
     counts = dict(re.findall(r"^([a-z ]+?) +(\d+)$", out, re.MULTILINE))
-    # The clock of these participants is years behind this machine's, or ahead: the one who stopped is one of the two.
+    # The clock of these participants differs by years from that of this machine: the interrupted one is one of the two.
     assert int(counts.pop("in progress")) + int(counts.pop("abandoned")) == 1
     assert counts == {
         "enrolled": "5", "began": "4", "finished": "3", "complete": "0", "withdrawn": "1", "answers": "19",
@@ -133,7 +133,7 @@ def test_progress_counts_everybody_and_the_balance(capsys) -> None:
     assert (said["finished"], said["places"], said["rows"]["P001"], said["rows"]["P002"]) == (3, [0, 1], 0, 1)
 
 
-def test_withdrawal_by_code_deletes_and_says_what_is_left_to_do(capsys) -> None:
+def test_withdrawal_by_code_deletes_data_and_prints_remaining_steps(capsys) -> None:
     (visitor,) = take_part([["fear"] * 6])
     code = readable(visitor.cookie)
     assert main(["study", "withdraw", "kit", code]) == 0
@@ -157,7 +157,7 @@ def test_withdrawal_by_code_deletes_and_says_what_is_left_to_do(capsys) -> None:
         (["serve", "kit", "--host", "256.0.0.1"], "--host 256.0.0.1: not an address of this machine"),
     ],
 )  # fmt: skip
-def test_a_mistake_is_one_line(arguments, message, capsys) -> None:
+def test_invalid_input_gives_a_one_line_message(arguments, message, capsys) -> None:
     assert main(["study", *arguments]) in (1, 2)
     out, err = capsys.readouterr()
     assert out == ""
@@ -165,14 +165,14 @@ def test_a_mistake_is_one_line(arguments, message, capsys) -> None:
     assert err.count("\n") == 1
 
 
-def test_without_the_extra_a_line_says_how_to_get_it(monkeypatch, capsys) -> None:
+def test_missing_extra_gives_an_installation_hint(monkeypatch, capsys) -> None:
     monkeypatch.setitem(sys.modules, "waitress.server", None)
     monkeypatch.delitem(sys.modules, "emovid.survey.serve", raising=False)
     assert main(["study", "serve", "kit"]) == 1
     assert capsys.readouterr().err == "waitress.server is missing: pip install 'emovid[serve]'\n"
 
 
-def test_a_code_that_nobody_has_deletes_nothing(capsys) -> None:
+def test_unknown_code_deletes_nothing(capsys) -> None:
     take_part([["fear"] * 6])
     for code in ("nonsense", "b" * 24):
         assert main(["study", "withdraw", "kit", code]) == 2
@@ -181,7 +181,7 @@ def test_a_code_that_nobody_has_deletes_nothing(capsys) -> None:
     assert "6 answers" in capsys.readouterr().err
 
 
-def test_progress_without_the_orders_is_one_line(capsys) -> None:
+def test_progress_without_orders_gives_a_one_line_message(capsys) -> None:
     take_part([["fear"] * 6])
     Path("kit/orders.csv").unlink()
     assert main(["study", "progress", "kit"]) == 2
@@ -191,7 +191,7 @@ def test_progress_without_the_orders_is_one_line(capsys) -> None:
 @pytest.mark.parametrize(
     "what", ["orders", "orders of another kit", "video", "video of another size", "another kit's answers"]
 )
-def test_a_kit_that_is_not_whole_is_not_served(what, capsys) -> None:
+def test_incomplete_kit_is_not_served(what, capsys) -> None:
     video = next(Path("kit/public/videos").iterdir())
     if what == "orders":
         Path("kit/orders.csv").unlink()
@@ -212,7 +212,7 @@ def test_a_kit_that_is_not_whole_is_not_served(what, capsys) -> None:
     assert "expected" in err
 
 
-# A name with two addresses, as localhost has where there is IPv6; and more open files than select() can tell apart.
+# A name with two addresses, as localhost with IPv6, and more open files than select() supports.
 ODD = """
 import os, resource, socket, sys
 from emovid.__main__ import run
@@ -226,7 +226,7 @@ run()
 """
 
 
-def test_a_name_of_two_addresses_and_many_open_files_are_served() -> None:
+def test_server_supports_two_addresses_and_many_open_files() -> None:
     with subprocess.Popen([sys.executable, "-c", ODD], stderr=subprocess.PIPE, text=True) as server:
         try:
             address = re.match(r"http://localhost:(\d+)/: survey of ", said := server.stderr.readline())
@@ -240,7 +240,7 @@ def test_a_name_of_two_addresses_and_many_open_files_are_served() -> None:
     assert server.returncode == 0
 
 
-def test_the_server_says_where_it_is_answers_and_ends_on_a_signal(kit) -> None:
+def test_server_prints_its_address_responds_and_stops_on_a_signal(kit) -> None:
     command = [sys.executable, "-m", "emovid", "study", "serve", str(kit), "--port", "0"]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as server:
         try:

@@ -82,7 +82,7 @@ def answers(full, tmp_path, clock):
 
 @pytest.fixture
 def come(full, answers, clock) -> Callable[..., Visitor]:
-    """Open a browser of its own."""
+    """Open a separate browser."""
     return lambda **how: Visitor(create_app(full, answers, **how), clock)
 
 
@@ -110,7 +110,7 @@ def rows(answers: Store, kit: Kit) -> list[dict[str, str]]:
     return list(csv.DictReader(io.StringIO(responses_csv(answers, kit, pilot=False, release=7200))))
 
 
-def test_practice_comes_first_the_check_after_three_and_neither_is_in_the_data(come, answers, full) -> None:
+def test_practice_is_first_check_follows_three_videos_and_both_are_excluded(come, answers, full) -> None:
     someone = come()
     agree(someone)
     someone.post("/about", gender="Man")
@@ -158,7 +158,7 @@ def test_answers_of_other_kinds_are_checked_and_exported(come, answers, full) ->
     assert (last["age"], last["comments"], last["tools"]) == ("42", "a\n b", "A|C")
 
 
-def test_nothing_is_submitted_before_the_questions_after_are_answered(come) -> None:
+def test_submission_requires_the_questions_after_the_videos(come) -> None:
     someone = come()
     agree(someone)
     someone.post("/about", gender="Woman")
@@ -170,7 +170,7 @@ def test_nothing_is_submitted_before_the_questions_after_are_answered(come) -> N
     assert someone.get("/").location == "/after"
 
 
-def test_recruits_are_stored_apart_and_go_back_with_their_parameters(come, answers, everything, capsys) -> None:
+def test_recruitment_ids_are_stored_separately_and_returned(come, answers, everything, capsys) -> None:
     someone = come()
     page = someone.get("/", query_string=RECRUIT).text
     assert 'name="PROLIFIC_PID" value="p 1&amp;x"' in page
@@ -266,7 +266,7 @@ def test_workers_of_mturk_return_with_their_assignment(opened, store, clock) -> 
     assert store.recruits() == [({name: given[name] for name in ("workerId", "assignmentId", "hitId")}, "finished")]
 
 
-def test_a_failed_check_and_no_consent_have_codes_of_their_own(come, answers, full) -> None:
+def test_failed_check_and_declined_consent_have_separate_codes(come, answers, full) -> None:
     someone = take_part(come(), shape="Star", **RECRUIT)
     thanks = someone.get("/thanks").text
     assert "FA1LED" in thanks
@@ -278,7 +278,7 @@ def test_a_failed_check_and_no_consent_have_codes_of_their_own(come, answers, fu
     assert "C0MPLETE" not in declined
 
 
-def test_requirements_are_shown_first_and_checked(come, answers) -> None:
+def test_requirements_are_shown_and_checked_first(come, answers) -> None:
     assert "Please use a computer." in come().get("/").text
     assert "cannot be shown on this device" in agree(come(), device="phone").text
     assert "cannot be shown on this device" in agree(come(), width="599").text
@@ -299,7 +299,7 @@ def test_a_language_is_chosen_at_the_start_and_kept(come, answers, full) -> None
     assert words_of("ar")["agree"] in page
     agree(someone, language="ar")
     about = someone.get("/about").text
-    assert 'value="Woman" required>امرأة' in about  # the data keep the study's own words
+    assert 'value="Woman" required>امرأة' in about  # the data keep the labels of the study
     someone.post("/about", gender="Woman")
     someone.post("/instructions")
     assert "ما العاطفة؟" in someone.get("/video/1").text
@@ -307,7 +307,7 @@ def test_a_language_is_chosen_at_the_start_and_kept(come, answers, full) -> None
     assert {row["language"] for row in rows(answers, full)} == {"ar"}
 
 
-def test_stalled_videos_are_marked_by_the_rule_that_was_set_before(come, answers, full) -> None:
+def test_stalled_videos_are_marked_by_the_preset_rule(come, answers, full) -> None:
     someone = come()
     agree(someone)
     someone.post("/about", gender="Woman")
@@ -326,7 +326,7 @@ def test_stalled_videos_are_marked_by_the_rule_that_was_set_before(come, answers
     assert (found[1]["stalls"], found[1]["stalled_ms"], found[1]["play_ms"]) == ("2", "501", "1400")
 
 
-def test_at_a_kiosk_the_last_page_leads_to_the_next_person_and_has_no_code(come, answers) -> None:
+def test_kiosk_last_page_has_a_next_person_link_and_no_code(come, answers) -> None:
     computer = come(kiosk=True)
     code = codes.readable(take_part(computer).cookie)
     page = computer.get("/thanks").text
@@ -344,7 +344,7 @@ def test_without_a_kiosk_the_last_page_has_a_link_to_the_next_person(visitor) ->
 
 
 @pytest.mark.parametrize("removed_by_the_proxy", [False, True])
-def test_under_a_prefix_every_address_has_it(opened, store, clock, removed_by_the_proxy) -> None:
+def test_url_prefix_applies_to_every_address(opened, store, clock, removed_by_the_proxy) -> None:
     client = create_app(opened, store, prefix="/study1", https=True).test_client()
     start = "" if removed_by_the_proxy else "/study1"
     reply = client.get(f"{start}/", base_url="https://localhost")
@@ -359,14 +359,14 @@ def test_under_a_prefix_every_address_has_it(opened, store, clock, removed_by_th
     assert client.get("/study10/", base_url="https://localhost").status_code == 404
 
 
-def test_a_pilot_says_so_on_every_page(opened, store) -> None:
+def test_pilot_is_announced_on_every_page(opened, store) -> None:
     client = create_app(opened, store, pilot=True).test_client()
     for path in ("/", "/resume", "/nothing"):
         assert "This is a test run." in client.get(path).text
     assert "This is a test run." not in create_app(opened, store).test_client().get("/").text
 
 
-def test_the_status_page_needs_its_token_and_shows_counts_only(visitor, store) -> None:
+def test_status_page_requires_its_token_and_shows_only_counts(visitor, store) -> None:
     visitor().go_through(["fear"] * 6)
     researcher = visitor()
     token = codes.status_token(store.secret)
@@ -378,7 +378,7 @@ def test_the_status_page_needs_its_token_and_shows_counts_only(visitor, store) -
 
 
 @pytest.mark.parametrize("language", TRANSLATED)
-def test_no_word_is_missing_in_any_language(language) -> None:
+def test_every_language_has_all_texts(language) -> None:
     words = words_of(language)
     english = {name: field.default for name, field in Texts.model_fields.items()}
     assert set(words) == {*english, "agree", "decline", "declined"}
@@ -406,7 +406,7 @@ def test_nested_json_is_refused(visitor, depth) -> None:
         assert someone.client.post(path, data=body[:60_000], headers=headers).status_code == 400
 
 
-def test_clock_that_is_put_back_between_two_runs_gives_no_negative_time(opened, tmp_path, monkeypatch) -> None:
+def test_clock_set_back_between_runs_gives_no_negative_time(opened, tmp_path, monkeypatch) -> None:
     path = tmp_path / "clock.sqlite"
     first = Store(path, opened.manifest.key_commitment)
     first.enroll("digest", opened.orders, opened.choices, "1", 60.0)
@@ -418,13 +418,13 @@ def test_clock_that_is_put_back_between_two_runs_gives_no_negative_time(opened, 
     again.close()
 
 
-def test_a_clock_of_a_test_is_not_replaced(opened, tmp_path) -> None:
+def test_injected_clock_is_used(opened, tmp_path) -> None:
     store = Store(tmp_path / "own.sqlite", opened.manifest.key_commitment, Clock(5.0))
     assert store.clock() == 5.0
     store.close()
 
 
-def test_texts_of_a_finished_kit_are_corrected_as_a_version_and_nothing_else_is(tmp_path, capsys) -> None:
+def test_only_texts_of_a_finished_kit_can_be_corrected_as_a_new_version(tmp_path, capsys) -> None:
     kit = small_kit(tmp_path)
     study = tmp_path / "study.yaml"
     before = {path: path.read_bytes() for path in kit.rglob("*") if path.suffix in (".mp4", ".csv", ".txt")}
@@ -455,7 +455,7 @@ def test_texts_of_a_finished_kit_are_corrected_as_a_version_and_nothing_else_is(
     assert open_public(kit).manifest == after.manifest
 
 
-def test_a_withdrawal_is_complete_only_when_no_log_holds_the_text(fresh, tmp_path, clock) -> None:
+def test_withdrawal_is_complete_only_without_text_in_logs(fresh, tmp_path, clock) -> None:
     opened = open_public(fresh)
     path = tmp_path / "held.sqlite"
     store = Store(path, opened.manifest.key_commitment, clock, patience=0.2)
@@ -474,7 +474,7 @@ def test_a_withdrawal_is_complete_only_when_no_log_holds_the_text(fresh, tmp_pat
     store.close()
 
 
-def test_data_kept_by_a_reader_are_erased_by_the_next_record(fresh, tmp_path, clock) -> None:
+def test_deleted_data_held_by_a_reader_are_erased_by_the_next_write(fresh, tmp_path, clock) -> None:
     opened = open_public(fresh)
     path = tmp_path / "held.sqlite"
     store = Store(path, opened.manifest.key_commitment, clock, patience=0.2)

@@ -1,4 +1,4 @@
-"""What happens when: the table of docs/survey.md, row by row."""
+"""The table of events in docs/survey.md, row by row."""
 
 import csv
 import re
@@ -24,7 +24,7 @@ def responses(store, opened) -> list[str]:
     return [row["response"] for row in rows(store, opened)]
 
 
-def test_from_consent_to_thanks_every_answer_is_in_the_export_with_its_events(visitor, store, opened) -> None:
+def test_complete_participation_exports_all_answers_and_events(visitor, store, opened) -> None:
     someone = visitor()
     assert "I agree and want to take part" in someone.get("/").text
     someone.go_through(SIX)
@@ -50,7 +50,7 @@ def test_from_consent_to_thanks_every_answer_is_in_the_export_with_its_events(vi
     assert [row["answer_seconds"] for row in found] == [f"{n}.000" for n in range(1, 7)]
 
 
-def test_videos_come_one_at_a_time_in_the_row_s_order_with_the_row_s_choices(visitor, opened) -> None:
+def test_videos_and_choices_follow_the_assigned_row(visitor, opened) -> None:
     someone = visitor().begin()
     for place in range(1, 7):
         page = someone.get(f"/video/{place}").text
@@ -66,7 +66,7 @@ def test_videos_come_one_at_a_time_in_the_row_s_order_with_the_row_s_choices(vis
         someone.answer(place, "fear")
 
 
-def test_who_declines_leaves_nothing(visitor, store) -> None:
+def test_declining_stores_no_data(visitor, store) -> None:
     someone = visitor()
     reply = someone.post("/consent", consent="decline")
     assert "You are not taking part" in reply.text
@@ -74,34 +74,34 @@ def test_who_declines_leaves_nothing(visitor, store) -> None:
     assert someone.get("/about").location == "/resume"
 
 
-def test_who_declines_after_agreeing_in_another_tab_is_asked_whether_to_delete_all(visitor, store) -> None:
+def test_declining_after_consent_in_another_tab_offers_withdrawal(visitor, store) -> None:
     someone = visitor()
     declining_tab = someone.token
     someone.begin()
     reply = someone.client.post("/consent", data={"form-token": declining_tab, "consent": "decline"})
     assert reply.location == "/withdraw"
     assert readable(someone.cookie) in someone.get("/withdraw").text
-    assert len(store.participants()) == 1  # until they say so
+    assert len(store.participants()) == 1  # until they confirm
 
 
-def test_consent_that_is_given_twice_enrols_once(visitor, store, opened) -> None:
+def test_repeated_consent_enrolls_once(visitor, store, opened) -> None:
     someone = visitor()
     token = someone.token
     for _ in range(3):
         reply = someone.client.post("/consent", data={"form-token": token, "consent": "agree"})
         assert reply.location == "/about"
     assert len(store.participants()) == 1
-    store.enroll(digest(someone.cookie), opened.orders, opened.choices, "1", 60.0)  # as two requests at one time would
+    store.enroll(digest(someone.cookie), opened.orders, opened.choices, "1", 60.0)  # like two simultaneous requests
     assert len(store.participants()) == 1
 
 
-def test_rows_go_round_as_participants_come(visitor, store, opened) -> None:
+def test_rows_are_assigned_in_turn(visitor, store, opened) -> None:
     for _ in range(14):
         visitor().post("/consent", consent="agree")
     assert [person.order_row for person, _ in store.participants()] == [*opened.orders, "P001", "P002"]
 
 
-def test_a_required_question_without_an_answer_is_asked_again_with_what_was_said(visitor) -> None:
+def test_missing_required_answer_is_requested_and_other_answers_are_kept(visitor) -> None:
     someone = visitor()
     someone.post("/consent", consent="agree")
     reply = someone.post("/about", country="Peru")
@@ -124,7 +124,7 @@ def test_answers_can_be_changed_until_submission_and_the_first_is_kept(visitor, 
     assert (row["response"], row["first_response"], row["changes"]) == ("surprise", "anger", "2")
 
 
-def test_watching_again_counts_and_closes_nothing(visitor, store, opened) -> None:
+def test_watching_again_is_counted_and_keeps_the_question_open(visitor, store, opened) -> None:
     someone = visitor().begin()
     someone.watch(1)
     someone.watch(1, seconds=0.2, share=0.2)
@@ -143,7 +143,7 @@ def test_a_double_submission_changes_nothing(visitor, store, opened) -> None:
     assert rows(store, opened) == before
 
 
-def test_an_answer_that_comes_twice_is_one(visitor, store, opened) -> None:
+def test_repeated_answer_is_stored_once(visitor, store, opened) -> None:
     someone = visitor().begin()
     someone.watch(1)
     for _ in range(3):
@@ -151,14 +151,14 @@ def test_an_answer_that_comes_twice_is_one(visitor, store, opened) -> None:
     assert [(row["response"], row["changes"]) for row in rows(store, opened)] == [("fear", "0")]
 
 
-def test_nothing_is_submitted_before_all_is_answered(visitor, store, opened) -> None:
+def test_submission_requires_all_answers(visitor, store, opened) -> None:
     someone = visitor().go_through(SIX[:5], submit=False)
     someone.post("/submit")
     assert someone.get("/").location == "/video/6"
     assert {row["status"] for row in rows(store, opened)} == {"in progress"}
 
 
-def test_two_tabs_are_one_participant_and_the_later_answer_counts(visitor, store, opened) -> None:
+def test_two_tabs_share_a_participant_and_the_later_answer_counts(visitor, store, opened) -> None:
     someone = visitor().begin()
     first_tab = someone.get("/video/1").text
     someone.watch(1)
@@ -168,7 +168,7 @@ def test_two_tabs_are_one_participant_and_the_later_answer_counts(visitor, store
     assert responses(store, opened) == ["anger"]
 
 
-def test_a_tab_left_open_after_submission_in_another_changes_nothing_and_is_led_to_the_thanks(visitor) -> None:
+def test_tab_open_after_submission_is_redirected_to_the_last_page(visitor) -> None:
     someone = visitor().go_through(SIX)
     assert someone.get("/video/3").location == "/thanks"
     assert someone.get("/review").location == "/thanks"
@@ -176,7 +176,7 @@ def test_a_tab_left_open_after_submission_in_another_changes_nothing_and_is_led_
     assert reply.status_code == 409
 
 
-def test_the_browser_s_back_button_shows_what_the_server_has(visitor) -> None:
+def test_back_button_shows_the_stored_state(visitor) -> None:
     someone = visitor().go_through(SIX[:3], submit=False)
     for page in ("/about", "/instructions", "/video/1", "/video/2"):
         reply = someone.get(page)
@@ -185,7 +185,7 @@ def test_the_browser_s_back_button_shows_what_the_server_has(visitor) -> None:
     assert someone.chosen(2) == SIX[1]
 
 
-def test_a_crash_of_the_browser_loses_no_acknowledged_answer(visitor) -> None:
+def test_browser_crash_loses_no_acknowledged_answer(visitor) -> None:
     someone = visitor().go_through(SIX[:3], submit=False)
     again = visitor()
     again.client.set_cookie("emovid", someone.cookie)
@@ -193,14 +193,14 @@ def test_a_crash_of_the_browser_loses_no_acknowledged_answer(visitor) -> None:
     assert [again.chosen(place) for place in (1, 2, 3)] == SIX[:3]
 
 
-def test_a_restart_of_the_server_is_not_noticed(visitor, store, opened, tmp_path, clock) -> None:
+def test_server_restart_does_not_interrupt_participants(visitor, store, opened, tmp_path, clock) -> None:
     someone = visitor().go_through(SIX[:3], submit=False)
     token, cookie = someone.token, someone.cookie
     store.close()
     again = Store(tmp_path / "answers.sqlite", opened.manifest.key_commitment, clock)
     later = Visitor(create_app(opened, again), clock)
     later.client.set_cookie("emovid", cookie)
-    assert later.token == token  # a form from before the restart is still good
+    assert later.token == token  # a form from before the restart is still valid
     assert later.get("/").location == "/video/4"
     for place, response in enumerate(SIX[3:], start=4):
         later.watch(place)
@@ -210,7 +210,7 @@ def test_a_restart_of_the_server_is_not_noticed(visitor, store, opened, tmp_path
     again.close()
 
 
-def test_an_expired_cookie_is_asked_for_the_code_which_leads_back(visitor, store, opened) -> None:
+def test_expired_cookie_requires_the_code_to_resume(visitor, store, opened) -> None:
     someone = visitor().go_through(SIX[:2], submit=False)
     code = re.search(r'id="own-code"[^>]*>([a-z0-9-]+)<', someone.get("/video/3").text)[1]
     elsewhere = visitor()
@@ -222,7 +222,7 @@ def test_an_expired_cookie_is_asked_for_the_code_which_leads_back(visitor, store
     assert len(store.participants()) == 1
 
 
-def test_the_code_is_in_no_address_that_the_server_sees(visitor) -> None:
+def test_code_is_never_sent_in_a_url(visitor) -> None:
     someone = visitor().begin()
     code = readable(someone.cookie)
     for page in ("/instructions", "/video/1"):
@@ -240,14 +240,14 @@ def test_an_unknown_code_is_reported_and_deletes_nothing(visitor, code) -> None:
     assert someone.get("/").location == "/video/1"
 
 
-def test_a_cookie_that_no_participant_has_is_a_visitor_s(visitor) -> None:
+def test_unknown_cookie_is_treated_as_a_new_visitor(visitor) -> None:
     someone = visitor()
     someone.client.set_cookie("emovid", "bcdf" * 6)
     assert "I agree" in someone.get("/").text
     assert someone.get("/video/1").location == "/resume"
 
 
-def test_withdrawal_deletes_and_every_later_step_says_so(visitor, store, opened) -> None:
+def test_withdrawal_deletes_data_and_later_requests_report_it(visitor, store, opened) -> None:
     someone, other = visitor().go_through(SIX), visitor().go_through(SIX)
     code, cookie = readable(someone.cookie), someone.cookie
     assert f'value="{code}"' in someone.get("/withdraw").text
@@ -266,14 +266,14 @@ def test_withdrawal_deletes_and_every_later_step_says_so(visitor, store, opened)
     assert other.get("/").location == "/thanks"
 
 
-def test_who_deletes_the_answers_of_another_code_keeps_the_own(visitor, store) -> None:
+def test_withdrawal_with_another_code_keeps_own_answers(visitor, store) -> None:
     earlier, someone = visitor().go_through(SIX), visitor().go_through(SIX[:2], submit=False)
     assert "Your answers were deleted" in someone.post("/withdraw", code=earlier.cookie).text
     assert someone.get("/").location == "/video/3"
     assert [person.order_row for person, _ in store.participants()] == ["P002"]
 
 
-def test_the_next_person_at_the_same_computer_is_another_participant(visitor, store) -> None:
+def test_next_person_at_the_same_computer_is_a_new_participant(visitor, store) -> None:
     computer = visitor().go_through(SIX)
     assert "Start for another person" in computer.get("/new").text
     assert computer.post("/new").location == "/"
@@ -281,7 +281,7 @@ def test_the_next_person_at_the_same_computer_is_another_participant(visitor, st
     assert [person.order_row for person, _ in store.participants()] == ["P001", "P002"]
 
 
-def test_an_abandoned_row_is_given_again_and_who_comes_back_loses_nothing(visitor, store, opened, clock) -> None:
+def test_abandoned_row_is_reassigned_and_a_returning_participant_keeps_answers(visitor, store, opened, clock) -> None:
     gone = visitor().go_through(SIX[:2], submit=False)
     clock.now += 7201
     assert {row["status"] for row in rows(store, opened)} == {"abandoned"}
@@ -291,11 +291,11 @@ def test_an_abandoned_row_is_given_again_and_who_comes_back_loses_nothing(visito
     assert gone.chosen(1) == SIX[0]
 
 
-def test_without_javascript_a_page_says_what_it_needs(visitor) -> None:
+def test_pages_without_javascript_explain_the_requirement(visitor) -> None:
     assert "<noscript><p" in visitor().begin().get("/video/1").text
 
 
-def test_answers_about_all_labels_are_taken(visitor, store, opened) -> None:
+def test_every_label_is_accepted_as_an_answer(visitor, store, opened) -> None:
     visitor().go_through(list(LABELS))
     assert responses(store, opened) == list(LABELS)
     assert store.find(digest("b" * 24)) is None

@@ -1,4 +1,4 @@
-"""Sliders beside the choice, and pages that were overtaken by another tab."""
+"""Sliders next to the choice, and pages overtaken by another tab."""
 
 import csv
 
@@ -28,7 +28,7 @@ def rated(tmp_path_factory):
 
 @pytest.fixture
 def recorded(rated, tmp_path):
-    """Open its survey; return a participant who has watched the first video, and what reads the answers."""
+    """Open its survey; return a participant who has watched the first video, a reader of the answers, and the store."""
     kit, clock = open_public(rated), Clock()
     store = Store(tmp_path / "rated.sqlite", kit.manifest.key_commitment, clock)
     someone = Visitor(create_app(kit, store), clock).begin()
@@ -43,17 +43,17 @@ def recorded(rated, tmp_path):
 
 
 @pytest.mark.parametrize("value", ["", "0", "8", "-1", "4.5", "four", "0007", "٣"])
-def test_a_slider_that_was_not_moved_or_has_no_such_place_is_asked_for_again(recorded, value) -> None:
+def test_unmoved_or_invalid_slider_is_requested_again(recorded, value) -> None:
     someone, rows, _ = recorded
     reply = someone.answer(1, "fear", confidence=value, arousal="101")
     assert reply.status_code == 400
     assert reply.text.count("Please answer this question.</p>") == 2  # at the slider, and the hidden one of the script
     assert 'id="confidence-error"' in reply.text
-    assert 'name="arousal" value="101"' in reply.text  # what was said stays
+    assert 'name="arousal" value="101"' in reply.text  # given answers are kept
     assert rows() == []
 
 
-def test_sliders_are_recorded_and_one_that_is_moved_is_a_change(recorded) -> None:
+def test_slider_values_are_recorded_and_movement_counts_as_change(recorded) -> None:
     someone, rows, _ = recorded
     assert someone.answer(1, "fear", confidence="7", arousal="1").location == "/video/2"
     assert 'name="confidence" value="7"' in someone.get("/video/1").text
@@ -63,7 +63,7 @@ def test_sliders_are_recorded_and_one_that_is_moved_is_a_change(recorded) -> Non
 
 
 @pytest.mark.parametrize("what", ["submitted", "withdrawn"])
-def test_an_answer_that_another_tab_overtakes_is_not_recorded(recorded, monkeypatch, what) -> None:
+def test_answer_overtaken_by_another_tab_is_not_recorded(recorded, monkeypatch, what) -> None:
     someone, rows, store = recorded
     counts = store.answer
 
@@ -80,7 +80,7 @@ def test_an_answer_that_another_tab_overtakes_is_not_recorded(recorded, monkeypa
     assert rows() == []
 
 
-def test_who_has_withdrawn_submits_and_reports_nothing(recorded) -> None:
+def test_withdrawn_participants_cannot_submit_or_report(recorded) -> None:
     someone, rows, store = recorded
     token, cookie = someone.token, someone.cookie
     someone.post("/withdraw", code=cookie)
@@ -92,7 +92,7 @@ def test_who_has_withdrawn_submits_and_reports_nothing(recorded) -> None:
     assert rows() == store.participants() == []
 
 
-def test_in_a_browser_an_answer_waits_until_every_slider_was_moved(browser, rated) -> None:
+def test_browser_requires_moving_every_slider(browser, rated) -> None:
     with serving(rated) as server:
         person = Participant(browser, server.address, 1)
         person.begin()
@@ -103,7 +103,7 @@ def test_in_a_browser_an_answer_waits_until_every_slider_was_moved(browser, rate
         page.get_by_label("How sure are you?").fill("2")
         page.locator("#submit").click()
         assert page.locator("#missing").is_visible()
-        assert page.evaluate("document.activeElement.id") == "arousal"  # the one that is left
+        assert page.evaluate("document.activeElement.id") == "arousal"  # the remaining one
         page.keyboard.press("Home")
         assert page.locator("#missing").is_hidden()
         page.locator("#submit").click()

@@ -37,7 +37,7 @@ STEPS = [Step(Page.ABOUT), Step(Page.INSTRUCTIONS), *(Step(Page.VIDEO, n) for n 
 
 
 @given(st.lists(st.sampled_from(["finish", "abandon"]), max_size=80), st.integers(1, 12))
-def test_rows_differ_by_one_participant_at_most_whoever_drops_out(fates, rows) -> None:
+def test_row_counts_differ_by_at_most_one_for_any_dropouts(fates, rows) -> None:
     names = [f"P{n:03d}" for n in range(rows)]
     taken = Counter[str]()
     for fate in fates:
@@ -49,7 +49,7 @@ def test_rows_differ_by_one_participant_at_most_whoever_drops_out(fates, rows) -
 
 
 @given(st.integers(2, 8), st.integers(1, 60), st.sampled_from(["latin", "williams"]))
-def test_without_dropouts_enrolment_keeps_the_balance_of_the_orders_at_every_number(videos, people, scheme) -> None:
+def test_enrollment_without_dropouts_keeps_the_balance_of_the_orders(videos, people, scheme) -> None:
     codes = [f"v{n}" for n in range(videos)]
     orders = {f"P{n:03d}": order for n, order in enumerate(presentation_orders(scheme, codes, 60, 5))}
     taken = Counter[str]()
@@ -63,7 +63,7 @@ def test_without_dropouts_enrolment_keeps_the_balance_of_the_orders_at_every_num
 
 
 @given(DONE)
-def test_the_current_page_is_open_and_the_way_leads_back_from_it_without_a_closed_one(done) -> None:
+def test_current_and_earlier_pages_are_open(done) -> None:
     step = current(done)
     assert is_open(step, done)
     while (step := before(step, done)) is not None:
@@ -71,7 +71,7 @@ def test_the_current_page_is_open_and_the_way_leads_back_from_it_without_a_close
 
 
 @given(DONE, st.sampled_from(STEPS))
-def test_a_page_ahead_is_closed_and_after_submission_all_but_the_last(done, step) -> None:
+def test_later_pages_are_closed_and_after_submission_all_except_the_last(done, step) -> None:
     if is_open(step, done):
         assert step <= current(done)
         assert not done.submitted
@@ -90,7 +90,7 @@ def test_answering_in_sequence_shows_each_video_once_and_ends_at_the_review(vide
     assert step == Step(Page.REVIEW)
 
 
-def test_a_change_on_the_way_goes_on_to_the_next_video_and_from_the_review_back_to_it() -> None:
+def test_changed_answer_leads_to_the_next_video_or_back_to_the_review() -> None:
     assert after_video(2, Progress(False, False, True, 6, {1, 2, 3}, False)) == Step(Page.VIDEO, 3)
     assert after_video(2, Progress(False, False, True, 6, range(1, 7), False)) == Step(Page.REVIEW)
 
@@ -99,14 +99,14 @@ MOMENTS = st.floats(0, 1e6)
 
 
 @given(MOMENTS, MOMENTS, st.floats(0.04, 60), st.floats(allow_nan=False))
-def test_no_report_is_believed_beyond_what_the_clock_allows(started, now, duration, share) -> None:
+def test_credited_playback_is_limited_by_elapsed_time(started, now, duration, share) -> None:
     believed = credited(share, started, now, duration)
     assert 0 <= believed <= 1
     assert believed * duration <= max(now - started, 0) + 1e-6
 
 
 @given(st.lists(st.builds(Play, MOMENTS, st.floats(0, 1)), max_size=5), MOMENTS, st.floats(0.04, 60))
-def test_the_gate_opens_only_after_a_whole_play_and_its_time(plays, now, duration) -> None:
+def test_question_opens_only_after_a_complete_play_and_its_duration(plays, now, duration) -> None:
     if may_answer(plays, now, duration):
         assert any(play.share >= 0.98 for play in plays)
         assert all(
@@ -118,7 +118,7 @@ def test_the_gate_opens_only_after_a_whole_play_and_its_time(plays, now, duratio
 
 
 @pytest.mark.parametrize(("elapsed", "share", "seconds"), [(0, 1, 9.8), (9, 1, 0.8), (9.8, 1, 0), (5, 0.97, 0)])
-def test_an_early_report_is_told_how_long_to_wait(elapsed, share, seconds) -> None:
+def test_early_report_gets_the_remaining_waiting_time(elapsed, share, seconds) -> None:
     assert wait(share, 100.0, 100.0 + elapsed, 10.0) == pytest.approx(seconds)
 
 
@@ -141,11 +141,11 @@ def test_a_normalized_code_is_empty_or_the_text_without_separators(text) -> None
 @pytest.mark.parametrize(
     "text", ["", "a" * 24, "0" * 24, "b" * 23, "b" * 25, "b" * 10**6, "' OR 1=1 --", "b" * 23 + "ö"]
 )
-def test_codes_that_cannot_be_are_refused_before_the_database_is_asked(text) -> None:
+def test_invalid_codes_are_refused_before_database_access(text) -> None:
     assert codes.normalized(text) == ""
 
 
-def test_a_form_token_is_of_one_secret_and_one_code() -> None:
+def test_form_token_is_valid_for_one_secret_and_one_code() -> None:
     token = codes.form_token(b"secret", "code")
     assert codes.is_form_token(token, b"secret", "code")
     for given_token, secret, code in [(token, b"other", "code"), (token, b"secret", "edoc"), ("", b"secret", "code")]:

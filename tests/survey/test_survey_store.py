@@ -39,7 +39,7 @@ def small(tmp_path, clock):
     made.close()
 
 
-def test_a_database_is_its_owner_s_alone_and_writes_through(small, tmp_path) -> None:
+def test_database_is_private_and_synchronous(small, tmp_path) -> None:
     files = list((tmp_path / "small").iterdir())
     assert files
     assert {stat.S_IMODE(file.stat().st_mode) for file in files} == {0o600}
@@ -48,13 +48,13 @@ def test_a_database_is_its_owner_s_alone_and_writes_through(small, tmp_path) -> 
         assert said == {"journal_mode": "wal", "synchronous": 2}  # FULL
 
 
-def test_the_code_itself_is_nowhere_in_the_files(small, tmp_path) -> None:
+def test_participant_code_is_not_stored_in_plain_text(small, tmp_path) -> None:
     enrolled(small, "a-code-to-be-found")
     small.close()
     assert b"a-code-to-be-found" not in b"".join(file.read_bytes() for file in (tmp_path / "small").iterdir())
 
 
-def test_records_are_there_when_the_file_is_opened_again(small, tmp_path, clock) -> None:
+def test_records_persist_after_reopening(small, tmp_path, clock) -> None:
     person = enrolled(small)
     small.tell(person.id, {"gender": "Woman"})
     small.instruct(person.id)
@@ -68,7 +68,7 @@ def test_records_are_there_when_the_file_is_opened_again(small, tmp_path, clock)
     again.close()
 
 
-def test_the_last_change_counts_the_first_is_kept_and_a_repetition_adds_nothing(small) -> None:
+def test_last_answer_counts_first_is_kept_and_repetition_is_ignored(small) -> None:
     person = enrolled(small)
     watched(small, person, 1)
     for response in ("fear", "fear", "anger", "anger", "fear"):
@@ -79,7 +79,7 @@ def test_the_last_change_counts_the_first_is_kept_and_a_repetition_adds_nothing(
     assert answer.given - answer.first_given == 4
 
 
-def test_an_answer_counts_only_when_watched_and_not_submitted_and_not_withdrawn(small) -> None:
+def test_answers_are_accepted_only_after_watching_and_before_submission_or_withdrawal(small) -> None:
     person = enrolled(small)
     assert not small.answer(person.id, 1, "fear", {})
     small.show(person.id, 1)
@@ -101,7 +101,7 @@ def test_an_answer_counts_only_when_watched_and_not_submitted_and_not_withdrawn(
     assert not small.submit(person.id)
 
 
-def test_a_play_that_is_reported_twice_is_one_and_a_clock_put_back_makes_nobody_wait(small) -> None:
+def test_repeated_play_report_counts_once_and_clock_changes_cause_no_delay(small) -> None:
     person = enrolled(small)
     small.show(person.id, 1)
     for _ in range(2):
@@ -115,7 +115,7 @@ def test_a_play_that_is_reported_twice_is_one_and_a_clock_put_back_makes_nobody_
     assert (viewings[1].plays, viewings[1].frames, viewings[1].dropped, viewings[1].screen) == (2, 60, 2, SCREEN)
 
 
-def test_the_gate_stays_open_once_it_was(small) -> None:
+def test_question_stays_open_after_a_complete_play(small) -> None:
     person = enrolled(small)
     assert watched(small, person, 1)
     small.start_play(person.id, 1, "again", SCREEN)
@@ -123,7 +123,7 @@ def test_the_gate_stays_open_once_it_was(small) -> None:
     assert small.find(digest("code")).opened == {1}
 
 
-def test_plays_beyond_the_most_fill_no_disk(small, monkeypatch) -> None:
+def test_plays_beyond_the_limit_are_not_stored(small, monkeypatch) -> None:
     monkeypatch.setattr("emovid.survey.store._MAX_PLAYS", 5)
     person = enrolled(small)
     small.show(person.id, 1)
@@ -133,7 +133,7 @@ def test_plays_beyond_the_most_fill_no_disk(small, monkeypatch) -> None:
     assert viewings[1].plays == 5
 
 
-def test_an_abandoned_row_is_given_again_and_one_that_is_in_use_or_finished_is_not(small) -> None:
+def test_only_abandoned_rows_are_reassigned(small) -> None:
     first, second = enrolled(small, "a"), enrolled(small, "b")
     assert (first.order_row, second.order_row) == ("P001", "P002")
     for place in (1, 2):
@@ -142,11 +142,11 @@ def test_an_abandoned_row_is_given_again_and_one_that_is_in_use_or_finished_is_n
     small.submit(first.id)
     small.clock.now += 61
     assert enrolled(small, "c").order_row == "P002"
-    assert small.find(digest("b")).order_row == "P002"  # who comes back has what he had
+    assert small.find(digest("b")).order_row == "P002"  # a returning participant keeps the answers
     assert enrolled(small, "d").order_row == "P001"
 
 
-def test_withdrawal_leaves_nothing_in_any_file_and_no_number_is_given_again(small, tmp_path) -> None:
+def test_withdrawal_erases_all_files_and_numbers_are_not_reused(small, tmp_path) -> None:
     person = enrolled(small)
     small.tell(person.id, {"country": "Liechtenstein"})
     watched(small, person, 1)
@@ -160,7 +160,7 @@ def test_withdrawal_leaves_nothing_in_any_file_and_no_number_is_given_again(smal
     with small._data.reading() as sql:
         tables = ("participants", "views", "plays", "answers")
         assert [sql.execute(f"SELECT * FROM {table}").fetchall() for table in tables] == [[]] * 4  # noqa: S608
-        assert sql.execute("SELECT * FROM withdrawn").fetchall() == [(digest("code"),)]  # and not when
+        assert sql.execute("SELECT * FROM withdrawn").fetchall() == [(digest("code"),)]  # but not the time
     assert enrolled(small, "next").id == person.id + 1
     assert b"Liechtenstein" not in b"".join(file.read_bytes() for file in (tmp_path / "small").iterdir())
 
@@ -173,7 +173,7 @@ def test_reports_from_a_page_after_withdrawal_are_not_recorded(small) -> None:
         assert sql.execute("SELECT * FROM views, plays").fetchall() == []
 
 
-def test_a_copy_made_while_it_runs_holds_all_that_was_recorded(small, tmp_path, clock) -> None:
+def test_backup_during_operation_contains_all_records(small, tmp_path, clock) -> None:
     person = enrolled(small)
     small.tell(person.id, {"gender": "Woman"})
     with sqlite3.connect(tmp_path / "small" / "answers.sqlite") as other:
@@ -184,7 +184,7 @@ def test_a_copy_made_while_it_runs_holds_all_that_was_recorded(small, tmp_path, 
     restored.close()
 
 
-def test_a_failed_change_is_undone_as_a_whole(small) -> None:
+def test_failed_change_is_rolled_back(small) -> None:
     def change() -> None:
         with small._data.writing() as sql:
             sql.execute("INSERT INTO withdrawn VALUES ('x')")
@@ -196,7 +196,7 @@ def test_a_failed_change_is_undone_as_a_whole(small) -> None:
 
 
 @pytest.mark.parametrize("what", ["text", "other", "folder"])
-def test_a_file_that_is_not_this_kit_s_is_refused_and_left_alone(what, tmp_path) -> None:
+def test_database_of_another_kit_is_refused_and_unchanged(what, tmp_path) -> None:
     path = tmp_path / "answers.sqlite"
     if what == "text":
         path.write_text("not a database, and long enough to be taken for none " * 20)
@@ -242,4 +242,4 @@ def test_acknowledged_answers_survive_a_kill(tmp_path) -> None:
         said = [text for (text,) in sql.execute("SELECT response FROM answers ORDER BY id")]
     sql.close()
     assert said[: acknowledged + 1] == [f"answer {n}" for n in range(acknowledged + 1)]
-    assert len(said) <= acknowledged + 2  # one more may have been on its way
+    assert len(said) <= acknowledged + 2  # one more may have been in transit
