@@ -91,7 +91,8 @@ def _fonts_prepared_fast() -> Iterator[None]:
     them takes a quarter of the time of a study's figures. For an EPS file matplotlib draws all 6,000 glyphs to find the
     same box, which takes longer than the figure.
     """
-    tables, bounds = Options._drop_tables_default, getattr(backend_ps, "_bounds", None)
+    tables = Options._drop_tables_default
+    bounds: Any = getattr(backend_ps, "_bounds", None)
     Options._drop_tables_default = [*tables, *_LAYOUT_TABLES]
     backend_ps._bounds = lambda font: tuple(getattr(font["head"], side) for side in ("xMin", "yMin", "xMax", "yMax"))
     try:

@@ -58,7 +58,7 @@ def test_parquet_has_the_same_cells_and_keeps_numbers(swept) -> None:
     assert read[2]["video.trails.fade"] is False
 
 
-def test_without_pyarrow_there_is_no_parquet(tmp_path, monkeypatch) -> None:
+def test_parquet_is_skipped_without_pyarrow(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(results, "find_spec", lambda name: None)
     write_table(tmp_path, EMPTY)
     assert [path.name for path in tmp_path.iterdir()] == ["results.csv"]

@@ -80,7 +80,7 @@ def test_run_ends_when_the_scheduler_stops_and_the_next_run_completes_it(folder,
     assert contents(target) == contents(folder / "here")
 
 
-def test_a_cluster_without_dask_says_what_to_install(folder, tmp_path, capsys, monkeypatch) -> None:
+def test_cluster_option_without_dask_gives_an_installation_hint(folder, tmp_path, capsys, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     assert main(["sweep", str(folder / "s.yaml"), "-o", str(tmp_path / "x"), "--scheduler", "tcp://127.0.0.1:9"]) == 2
     assert capsys.readouterr().err == "--scheduler needs Dask: pip install 'emovid[dask]'\n"

@@ -136,7 +136,7 @@ def test_scene_check_reports_the_run(capsys) -> None:
     assert f"{1000 * expected.body_distance:.1f} mm" in lines[3]
 
 
-def test_scene_check_says_when_bodies_overlap(capsys) -> None:
+def test_scene_check_reports_overlapping_bodies(capsys) -> None:
     keys = ["--set", "behaviour.separation=null", "--set", "duration=10", "--seed", "1"]
     assert main(["scene", "check", "anger", *keys]) == 0
     assert "(they overlap)" in capsys.readouterr().out

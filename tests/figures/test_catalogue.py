@@ -131,7 +131,7 @@ def test_text_tables_are_not_drawn(material) -> None:
     assert CATALOGUE["attributes"].formats == ("tex", "md", "html")
 
 
-def test_names_numbers_and_captions_are_those_of_the_paper() -> None:
+def test_names_numbers_and_captions_match_the_paper() -> None:
     numbers = [entry.paper for entry in CATALOGUE.values()]
     assert [number for number in numbers if number.startswith("Fig")] == [f"Fig. {n}" for n in range(1, 18)]
     assert [number for number in numbers if number.startswith("Table")] == ["Table I", "Table II", "Table III"]

@@ -90,7 +90,7 @@ def test_jspsych_has_texts_as_written(kit) -> None:
     assert data["thanks"]["code"] == "$C0DE{1}"
 
 
-def test_psychopy_s_readme_has_texts_as_written(kit) -> None:
+def test_psychopy_readme_has_texts_as_written(kit) -> None:
     readme = exported(kit, "psychopy", "README.md").read_text(encoding="utf-8")
     for words in (*TEXTS.values(), LONG, "<Wie> {viele}?", "$C0DE{1}"):
         assert words in readme

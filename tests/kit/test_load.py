@@ -187,7 +187,7 @@ def test_answers_may_be_emoji(tmp_path) -> None:
 
 
 @pytest.mark.parametrize(("key", "value"), [("speed", "2"), ("begin", "0.5"), ("end", "0.5")])
-def test_a_stimulus_shows_its_whole_run(tmp_path, key, value) -> None:
+def test_stimulus_shows_its_complete_run(tmp_path, key, value) -> None:
     text = changed(("set: {robots: 6}", f"set: {{robots: 6, video.{key}: {value}}}"))
     with pytest.raises(EmovidError, match=rf"video\.{key}: {value}: a stimulus shows its whole run, at"):
         load_study(write_study(tmp_path, text))

@@ -59,7 +59,7 @@ def test_a_straight_line_does_not_turn(one) -> None:
 
 
 @given(r=st.floats(0.02, 1), period=st.floats(0.01, 1), way=st.sampled_from([1, -1]), drive=st.sampled_from([1, -1]))
-def test_a_circle_turns_by_one_over_its_radius_however_it_is_commanded(one, r, period, way, drive) -> None:
+def test_turning_of_a_circle_is_one_over_its_radius_for_all_commands(one, r, period, way, drive) -> None:
     v = 2 * r  # a third of a turn in a second
     found = of(one(*[(drive * v, way * 2)] * round(4 / period), seconds=period))
     assert found["turning_per_metre"] == pytest.approx(1 / r, rel=0.005)

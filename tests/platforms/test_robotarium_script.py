@@ -110,7 +110,7 @@ def test_robots_are_placed_far_apart_and_drive_to_their_start() -> None:
     assert np.abs(wrapped(theirs.poses[0] - ours.poses[0])[:, 2]).max() < 0.01
 
 
-def test_trails_are_those_of_the_scene() -> None:
+def test_trails_match_the_scene() -> None:
     _, theirs, simulator = runs("sadness")
     lines = simulator.canvas.lines
     assert len(lines) == 4
@@ -264,7 +264,7 @@ def test_script_header_names_scene_seed_arena_and_version() -> None:
     assert f"Written by: emovid {version('emovid')}" in header
 
 
-def test_a_scene_s_name_cannot_become_code() -> None:
+def test_scene_name_cannot_inject_code() -> None:
     text = robotarium_script(scene_of("fear"), 'a"""\nimport os\n"""\\', TODAY)
     assert "\nimport os" not in text
     header = ast.get_docstring(ast.parse(text))

@@ -35,7 +35,7 @@ def test_with_a_tilt_or_a_field_of_view_the_camera_sees_the_near_edge_at_45_degr
 
 @pytest.mark.parametrize("height", [0.15, 0.5, 1.0, 4.0])
 @pytest.mark.parametrize("stage", [GRITSBOTS, ROBOTARIUM, Rectangle(width=0.3, height=2.0)])
-def test_the_default_camera_is_no_farther_than_its_height_from_the_near_edge_and_sees_the_stage(stage, height) -> None:
+def test_default_camera_is_close_to_the_near_edge_and_sees_the_stage(stage, height) -> None:
     distance = -aim_of(video(height=height), stage, 0.03).y
     assert 0 < distance <= stage.height / 2 + height
     before = faults(stage, height=height, distance=stage.height / 2 + height)

@@ -117,7 +117,7 @@ def test_a_wheel_base_changes_the_digest_and_a_comment_does_not(tmp_path) -> Non
     assert digests[0] == digests[2] != digests[1]
 
 
-def test_the_folder_of_a_robot_s_file_does_not_matter(tmp_path) -> None:
+def test_digest_does_not_depend_on_the_folder_of_a_robot_file(tmp_path) -> None:
     digests = set()
     for folder in ("here", "there"):
         (tmp_path / folder).mkdir()
@@ -196,7 +196,7 @@ def test_robots_are_listed(capsys) -> None:
 
 
 @pytest.mark.parametrize("name", ["x" * 300 + ".yaml", "robot.yaml\n"])
-def test_a_name_that_no_file_can_have_is_refused_in_one_line(name: str) -> None:
+def test_robot_name_that_no_file_can_have_is_refused(name: str) -> None:
     with pytest.raises(SourceError, match=r"^test: robot.model: ") as caught:
         scene_of(name)
     assert "\n" not in str(caught.value)

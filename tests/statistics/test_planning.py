@@ -108,7 +108,7 @@ def test_nothing_is_significant_with_one_answer() -> None:
 
 @given(st.integers(1, 80), st.integers(2, 12), st.sampled_from([0.001, 0.05 / 6, 0.05, 0.2]))
 @settings(max_examples=60)
-def test_critical_hits_are_those_of_the_test(n: int, k: int, alpha: float) -> None:
+def test_critical_hits_are_the_smallest_significant_number(n: int, k: int, alpha: float) -> None:
     hits = critical_hits(n, k, alpha)
     assert binomtest(hits - 1, n, 1 / k, alternative="greater").pvalue > alpha
     assert hits > n or binomtest(hits, n, 1 / k, alternative="greater").pvalue <= alpha

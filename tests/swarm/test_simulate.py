@@ -184,7 +184,7 @@ def test_progress_is_reported_for_each_period(make_scene) -> None:
     seed=st.integers(0, 1000),
 )
 @settings(max_examples=40)
-def test_bodies_stay_on_the_stage_whatever_the_control(make_scene, emotion, K, l, period, seed) -> None:
+def test_bodies_stay_on_the_stage_for_any_control_parameters(make_scene, emotion, K, l, period, seed) -> None:
     keys = {"robot.K": K, "robot.l": l, "control_period": period, "seed": seed, "duration": 2, "behaviour.R": 0.2}
     if emotion not in ("happiness", "sadness"):
         del keys["behaviour.R"]
