@@ -27,7 +27,8 @@ from emovid.yaml_models import Keys, inconsistent, source_error
 from emovid.yaml_source import read_yaml
 
 SUFFIX = ".track.yaml"
-_TIMED = ("emovid", "idtracker", "mcap", "trex")  # formats with times in seconds, or that are checked when read
+_TIMED = ("emovid", "mcap")  # formats that always have times in seconds
+_NOT_INDIVIDUALS = ("posture", "recognition", "statistics", "tracklet_images")  # other files in a TRex data folder
 
 
 class Columns(Keys):
@@ -58,6 +59,12 @@ class Track(Keys):
     rate: Annotated[float, Field(gt=0, le=100_000)] | None = Field(
         None, description="frames per second, for files that count frames; null: the file has times"
     )
+    start: Annotated[float, Field(ge=0)] | None = Field(
+        None, description="time in the file at which the motion starts [s]; null: its first"
+    )
+    end: Annotated[float, Field(gt=0)] | None = Field(
+        None, description="time in the file at which the motion ends [s]; null: its last"
+    )
     origin: Origin = Field(Origin(x=0.0, y=0.0), description="the stage's origin in the file's coordinates")
     columns: Columns = Field(Columns(), description="columns of a long CSV")
     bodypart: str | None = Field(None, description="body part of a DeepLabCut file; null: its only one")
@@ -76,10 +83,16 @@ class Track(Keys):
 
     @model_validator(mode="after")
     def _timed(self) -> "Track":
-        if self.rate is None and not (self.format in _TIMED or (self.format == "long" and self.columns.time)):
-            raise inconsistent("rate", "missing: a file that counts frames needs its frames per second")
+        timed = self.format in _TIMED or (self.format == "long" and self.columns.time is not None)
+        counted = self.format == "deeplabcut" or (self.format == "long" and not timed)
         if self.format == "long" and not (self.columns.time or self.columns.frame):
             raise inconsistent("columns.frame", "missing: a long CSV needs a column of times or of frames")
+        if counted and self.rate is None:
+            raise inconsistent("rate", "missing: a file that counts frames needs its frames per second")
+        if timed and self.rate is not None:
+            raise inconsistent("rate", f"{self.rate:g}: the file has times in seconds; expected no rate")
+        if self.start is not None and self.end is not None and self.end <= self.start:
+            raise inconsistent("end", f"{self.end:g}: expected a time after the start, {self.start:g}")
         return self
 
 
@@ -141,17 +154,21 @@ def load_positions(source: Path, scene: Scene) -> RecordedTrajectory:
 
 def _gathered(samples: Samples, track: Track, source: Path) -> tuple[Array, Array]:
     """Return times (T,) [s] and poses (T, N, 3), or positions (T, N, 2) without headings, in meters, y up."""
-    times = sorted({time for robot in samples.values() for time in robot})
+    rate = track.rate or 1.0  # without one, samples have times in seconds
+    first, last = -np.inf if track.start is None else track.start, np.inf if track.end is None else track.end
+    times = sorted(
+        {at for robot in samples.values() for at in robot if first <= at / rate + 1e-9 and at / rate <= last + 1e-9}
+    )
     if len(times) < 2:
-        raise InputError(f"{source}: fewer than two samples in {track.file}")
+        within = "" if track.start is None and track.end is None else " from start to end"
+        raise InputError(f"{source}: fewer than two samples in {track.file}{within}")
     values = np.full((len(times), len(samples), 3), np.nan)
     at = {time: i for i, time in enumerate(times)}
     for i, robot in enumerate(samples.values()):
         for time, pose in robot.items():
-            values[at[time], i] = pose
-    t = np.array(times)
-    if track.rate is not None:
-        t = t / track.rate
+            if time in at:
+                values[at[time], i] = pose
+    t = np.array(times) / rate
     missing: Mask = np.logical_not(np.isfinite(values[..., :2]).all(axis=2))
     if missing.any():
         _fill(values, t, missing, track, list(samples), source)
@@ -164,6 +181,7 @@ def _gathered(samples: Samples, track: Track, source: Path) -> tuple[Array, Arra
 
 def _fill(values: Array, t: Array, missing: Mask, track: Track, names: list[str], source: Path) -> None:
     """Interpolate positions that are missing; refuse them at the ends, or if the track does not allow it."""
+    whole = np.flatnonzero(~missing.any(axis=1))
     for i, name in enumerate(names):
         known = np.flatnonzero(~missing[:, i])
         gap = np.flatnonzero(missing[:, i])
@@ -173,7 +191,9 @@ def _fill(values: Array, t: Array, missing: Mask, track: Track, names: list[str]
         if track.gaps == "refuse":
             raise InputError(f"{where}; expected all positions, or gaps: interpolate")
         if not len(known) or missing[0, i] or missing[-1, i]:
-            raise InputError(f"{where}; gaps at the start or end cannot be interpolated")
+            first, last = (f"{t[k]:.6g}" for k in (whole[[0, -1]] if len(whole) else (0, -1)))
+            remedy = f"expected start and end where all have one, such as {first} and {last} s" if len(whole) else ""
+            raise InputError(f"{where}; gaps at the start or end cannot be interpolated{remedy and '; ' + remedy}")
         for axis in (0, 1):
             values[gap, i, axis] = np.interp(t[gap], t[known], values[known, i, axis])
         values[gap, i, 2] = np.nan
@@ -262,24 +282,46 @@ def _deeplabcut(path: Path, track: Track) -> Samples:
     return samples
 
 
-def _trex(path: Path, _: Track) -> Samples:
-    """A folder of .npz files, one for each individual, with X#wcentroid, Y#wcentroid [cm] and time [s]."""
-    files = sorted(path.glob("*.npz")) if path.is_dir() else [path]
+def _trex(path: Path, track: Track) -> Samples:
+    """A folder of .npz or .csv files, one for each individual: X#wcentroid, Y#wcentroid [cm], time [s] or frame."""
+    found = (
+        [file for file in sorted(path.iterdir()) if not any(word in file.stem for word in _NOT_INDIVIDUALS)]
+        if path.is_dir()
+        else [path]
+    )
+    files = [file for file in found if file.suffix == ".npz"] or [file for file in found if file.suffix == ".csv"]
+    clock = "time" if track.rate is None else "frame"
     samples: Samples = {}
     for file in files:
-        try:
-            with np.load(file, allow_pickle=False) as arrays:
-                x, y, time = (np.asarray(arrays[name], float) for name in ("X#wcentroid", "Y#wcentroid", "time"))
-        except (OSError, ValueError, KeyError) as error:
-            raise InputError(f"{file}: not an individual of TRex: {error}") from None
+        arrays = _trex_arrays(file)
+        for name in (clock, "X#wcentroid", "Y#wcentroid"):
+            if name not in arrays:
+                raise InputError(f"{file}: not an individual of TRex: no {name}; it has {', '.join(arrays)}")
         nan = float("nan")
         samples[file.stem] = {
             float(t): (float(a), float(b), nan) if np.isfinite([a, b]).all() else (nan, nan, nan)
-            for t, a, b in zip(time, x, y, strict=True)
+            for t, a, b in zip(arrays[clock], arrays["X#wcentroid"], arrays["Y#wcentroid"], strict=True)
         }
     if not samples:
-        raise InputError(f"{path}: expected a folder of .npz files of TRex")
+        raise InputError(f"{path}: expected a folder of TRex's files, .npz or .csv, one for each individual")
     return samples
+
+
+def _trex_arrays(file: Path) -> Mapping[str, Array]:
+    """Return the arrays of an individual by name; a CSV has units in parentheses behind the names."""
+    if file.suffix == ".csv":
+        (_, head), *rows = list(_rows(file)) or [(0, [])]
+        columns = zip(*([_number(cell, f"{file}:{line}") for cell in row] for line, row in rows), strict=True)
+        return {name.partition(" (")[0]: np.array(column) for name, column in zip(head, columns, strict=False)}
+    try:
+        with np.load(file, allow_pickle=False) as arrays:
+            return {
+                name: np.atleast_1d(np.asarray(arrays[name], float))
+                for name in arrays
+                if name in ("X#wcentroid", "Y#wcentroid", "time", "frame")
+            }
+    except (OSError, ValueError) as error:
+        raise InputError(f"{file}: not an individual of TRex: {error}") from None
 
 
 def _idtracker(path: Path, track: Track) -> Samples:

@@ -89,6 +89,41 @@ def test_trex_files_with_missing_positions(tmp_path) -> None:
     assert run.poses[3, 1, :2] == pytest.approx([X[3, 1], Y[3, 1]])
 
 
+def test_trex_csv_with_units_in_its_names_and_other_files_in_the_folder(tmp_path) -> None:
+    folder = tmp_path / "data"
+    folder.mkdir()
+    for k in range(2):
+        rows = [
+            f"{i},{x},{y},{i},{t}" for i, (t, x, y) in enumerate(zip(T, 100 * X[:, k], -100 * Y[:, k], strict=True))
+        ]
+        head = "frame,X#wcentroid (cm),Y#wcentroid (cm),frame,time"
+        (folder / f"video_fish{k}.csv").write_text("\n".join([head, *rows]))
+    for other in ("posture_fish0", "recognition_fish0", "statistics", "tracklet_images"):
+        np.savez(folder / f"video_{other}.npz", frames=T)
+    keys = {"file": "data", "format": "trex", "scale": 0.01, "origin": None}
+    expect_motion(load_track(described(tmp_path, **keys)))
+    expect_motion(load_track(described(tmp_path, **keys, rate=10)))  # by frames
+    (folder / "video_fish1.csv").write_text("frame,X#wcentroid (cm),time\n0,1,0\n1,2,0.1")
+    with pytest.raises(InputError, match=r"video_fish1.csv: not an individual of TRex: no Y#wcentroid; it has frame, X"):
+        load_track(described(tmp_path, **keys))
+
+
+def test_start_and_end_leave_out_the_parts_in_which_a_robot_is_missing(tmp_path) -> None:
+    x, y = pixels()
+    rows = [
+        f"{t},{x[i, 0]},{y[i, 0]},{x[i, 1] if i > 1 else 'nan'},{y[i, 1] if i > 1 else 'nan'}" for i, t in enumerate(T)
+    ]
+    (tmp_path / "trajectories.csv").write_text("\n".join(["seconds,x1,y1,x2,y2", *rows]))
+    keys = {"file": "trajectories.csv", "format": "idtracker", "gaps": "interpolate"}
+    with pytest.raises(InputError, match=r"robot 2 has no position at 0 s; .*expected start and end .* 0.2 and 3 s"):
+        load_track(described(tmp_path, **keys))
+    run = load_track(described(tmp_path, **keys, start=0.2, end=2))
+    assert run.t == pytest.approx(T[2:21] - 0.2, abs=1e-9)
+    assert run.poses[:, 1, 0] == pytest.approx(X[2:21, 1], abs=1e-6)
+    with pytest.raises(InputError, match=r"fewer than two samples in trajectories.csv from start to end"):
+        load_track(described(tmp_path, **keys, start=2.95, end=9))
+
+
 @pytest.mark.parametrize("timed", [True, False])
 def test_idtracker(tmp_path, timed) -> None:
     folder = tmp_path / "session" / "trajectories" / "trajectories_csv"
@@ -139,6 +174,8 @@ def test_a_ros_bag_of_pose_arrays(tmp_path) -> None:
         ({"scale": None}, r"real.track.yaml:1: scale: missing \(meters in one unit"),
         ({"y": None}, r"y: missing \(direction of the file's y axis"),
         ({"rate": None}, "rate: missing: a file that counts frames needs its frames per second"),
+        ({"columns": {"time": "frame"}}, "rate: 10: the file has times in seconds; expected no rate"),
+        ({"start": 2, "end": 1}, "end: 1: expected a time after the start, 2"),
         ({"format": "dlc"}, r"format: 'dlc': expected one of emovid, long"),
         ({"robot": "gritsbit"}, "did you mean gritsbot"),
         ({"columns": {"frame": "frame", "robot": "who"}}, "no column 'who'"),
