@@ -104,7 +104,9 @@ def test_trex_csv_with_units_in_its_names_and_other_files_in_the_folder(tmp_path
     expect_motion(load_track(described(tmp_path, **keys)))
     expect_motion(load_track(described(tmp_path, **keys, rate=10)))  # by frames
     (folder / "video_fish1.csv").write_text("frame,X#wcentroid (cm),time\n0,1,0\n1,2,0.1")
-    with pytest.raises(InputError, match=r"video_fish1.csv: not an individual of TRex: no Y#wcentroid; it has frame, X"):
+    with pytest.raises(
+        InputError, match=r"video_fish1.csv: not an individual of TRex: no Y#wcentroid; it has frame, X"
+    ):
         load_track(described(tmp_path, **keys))
 
 
