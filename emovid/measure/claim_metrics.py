@@ -7,9 +7,12 @@ Numbers are of the whole run, unless the paper names a time: those of the run up
 import numpy as np
 from scipy.spatial import cKDTree
 
+from emovid.measure.arrangement import crowding, shape
+from emovid.measure.convergence import costs
 from emovid.measure.describe import describe
+from emovid.measure.kinematics import speed
 from emovid.measure.trace import path, turning, turns, visible_steps
-from emovid.measure.window import Window
+from emovid.measure.window import Window, window_of
 from emovid.swarm.arrays import Array
 from emovid.swarm.laws import corners_of
 from emovid.swarm.trajectory import Trajectory
@@ -48,8 +51,7 @@ def claim_metrics(trajectory: Trajectory) -> dict[str, float]:
     - `boundary_gap`: largest gap between robots along the boundary at the end, over the even gap.
     """
     last = float(trajectory.t[-1])
-    whole, to_snapshot = describe(trajectory, 0.0, last), describe(trajectory)
-    at = {f"{name}_to_snapshot": to_snapshot[name] for name in _TO_SNAPSHOT}
+    whole, at = describe(trajectory, 0.0, last), _to_snapshot(window_of(trajectory))
     slowest, fastest = speeds_in_a_second(trajectory)
     window = Window(trajectory, 0.0, last)
     left, bottom, right, top = trajectory.scene.stage.box
@@ -76,6 +78,11 @@ def claim_metrics(trajectory: Trajectory) -> dict[str, float]:
         "boundary_share": at["distance_to_boundary_end_to_snapshot"] / min(right - left, top - bottom),
         "boundary_gap": boundary_gap(trajectory),
     }  # fmt: skip
+
+
+def _to_snapshot(window: Window) -> dict[str, float]:
+    found = {**speed(window), **shape(window), **crowding(window), **costs(window)}
+    return {f"{name}_to_snapshot": found[name] for name in _TO_SNAPSHOT}
 
 
 def speeds_in_a_second(trajectory: Trajectory) -> tuple[float, float]:

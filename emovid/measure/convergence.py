@@ -55,22 +55,32 @@ def convergence(window: Window) -> dict[str, float]:
     scene = window.trajectory.scene
     if not isinstance(scene.behaviour, Coverage):
         return {descriptor.name: float("nan") for descriptor in CONVERGENCE}
+    past = past_centroids(window, corners_of(scene.stage), density_of(scene.behaviour.density, scene.stage))
+    passes, undefined = past > window.step, float("nan")
+    return {
+        **costs(window),
+        "overshoot_share": float(passes.mean()) if passes.size else undefined,
+        "overshoot_mean": float(past[passes].mean()) if passes.any() else 0.0 if passes.size else undefined,
+        "recurrence": recurrence(window),
+    }
+
+
+def costs(window: Window) -> dict[str, float]:
+    """Return the descriptors of the cost; NaN for behaviours without a density."""
+    scene, undefined = window.trajectory.scene, float("nan")
+    if not isinstance(scene.behaviour, Coverage):
+        return {d.name: undefined for d in CONVERGENCE if d.name.startswith("cost")}
     corners, density = corners_of(scene.stage), density_of(scene.behaviour.density, scene.stage)
     first, last = window.points(np.array([window.start, window.end]))
     start, end = (mean_cost(points, corners, density) for points in (first, last))
     converged = mean_cost(lloyd(last, corners, density, gain=_CONVERGED * end), corners, density)
-    past = past_centroids(window, corners, density)
-    passes = past > window.step
-    gain, undefined = start - converged, float("nan")
+    gain = start - converged
     return {
         "cost_start": start,
         "cost_end": end,
         "cost_converged": converged,
         "cost_ratio": end / converged,
         "cost_progress": (start - end) / gain if gain > _CONVERGED * start else undefined,
-        "overshoot_share": float(passes.mean()) if passes.size else undefined,
-        "overshoot_mean": float(past[passes].mean()) if passes.any() else 0.0 if passes.size else undefined,
-        "recurrence": recurrence(window),
     }
 
 

@@ -98,8 +98,26 @@ MUTANTS = (
 )
 
 
-def broken_claims(mutant: Mutant, shipped: Mapping[str, Mapping[str, float]], seed: int = 1) -> set[str]:
-    """Return the claims that fail with a mutant in place of its scene; the others have the metrics `shipped`."""
-    keys = [Setting(key, value, "mutant") for key, value in {**mutant.keys, "seed": seed}.items()]
-    found = claim_metrics(simulate(load_scene(mutant.emotion, keys)))
+def metrics(emotion: str, keys: Mapping[str, Any], seed: int) -> dict[str, float]:
+    """Return the numbers of claims of a scene with other values of keys; a start on the contour uses no seed."""
+    settings = [Setting(key, value, "mutant") for key, value in {**keys, "seed": seed}.items()]
+    return claim_metrics(simulate(load_scene(emotion, settings)))
+
+
+def uses_seed(emotion: str, keys: Mapping[str, Any]) -> bool:
+    """Return whether runs of a scene with other values of keys differ between seeds."""
+    return load_scene(emotion, [Setting(key, value, "mutant") for key, value in keys.items()]).start.place in (
+        "stage",
+        "region",
+    )
+
+
+def broken_claims(
+    mutant: Mutant, shipped: Mapping[str, Mapping[str, float]], found: Mapping[str, float] | None = None
+) -> set[str]:
+    """Return the claims that fail with a mutant in place of its scene; the others have the metrics `shipped`.
+
+    `found` are the mutant's metrics; by default those of seed 1.
+    """
+    found = found or metrics(mutant.emotion, mutant.keys, 1)
     return {verdict.claim for verdict in judge({**shipped, mutant.emotion: found}) if not verdict.holds}
