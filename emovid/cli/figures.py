@@ -112,7 +112,7 @@ def _check_options(names: Sequence[str], formats: Sequence[str], given: Sequence
 
 
 def _list(*, as_json: bool) -> None:
-    """Print the figures of the catalogue, and those of any scene."""
+    """Print the figures of the catalog, and those of any scene."""
     if as_json:
         rows = [
             {

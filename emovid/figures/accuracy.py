@@ -1,4 +1,4 @@
-"""How many of each group recognised each emotion, as in Figs. 11 and 12."""
+"""How many of each group recognized each emotion, as in Figs. 11 and 12."""
 
 from collections.abc import Sequence
 from typing import Any

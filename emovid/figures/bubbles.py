@@ -12,7 +12,7 @@ from emovid.figures.style import TEXT, text_width
 Array = NDArray[np.float64]
 
 CROSS = 7.0  # from tip to tip
-_GAP = 1.0  # between neighbours
+_GAP = 1.0  # between neighbors
 _FAN = np.radians(29)  # least angle between two rows, where there is room for it
 _HALVINGS = 30  # of the interval in which the scale is sought
 _MUCH = 1.6  # times larger bubbles are worth rows that do not begin at their crosses
@@ -25,7 +25,7 @@ class Row(NamedTuple):
     along: Array  # (2,) unit vector
     centres: Array  # (bubbles, 2)
     radii: Array  # (bubbles,)
-    name: Array  # (2,) centre
+    name: Array  # (2,) center
 
 
 def largest_rows(crosses: Array, sizes: Sequence[Array], names: Sequence[str], width: float) -> list[Row]:
@@ -97,7 +97,7 @@ def _rows(crosses: Array, starts: Array, angles: Array, sizes: Sequence[Array], 
 
 
 def _discs(row: Row) -> tuple[Array, Array]:
-    """Return centres and radii of what a row draws, the cross first."""
+    """Return centers and radii of what a row draws, the cross first."""
     return np.vstack([row.cross, row.centres]), np.concatenate([[CROSS / 2], row.radii])
 
 

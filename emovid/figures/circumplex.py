@@ -63,7 +63,7 @@ def circumplex_figure(
 ) -> Figure:
     """Draw a cross for each signalled emotion and beside it a bubble for each answer given, the most frequent first.
 
-    Bubbles have the colours of the perceived emotions and, where it fits, the number of answers in them. All bubbles of
+    Bubbles have the colors of the perceived emotions and, where it fits, the number of answers in them. All bubbles of
     a figure share one scale.
 
     Args:
@@ -124,6 +124,6 @@ def _draw_plane(axes: Axes, radius: float) -> None:
 def _draw_bubble(axes: Axes, centre: Array, radius: float, colour: str, count: str) -> None:
     axes.add_patch(Circle(tuple(centre), radius, facecolor=colour, edgecolor=INK, linewidth=0.3, zorder=2))
     if np.hypot(text_width([count]), _DIGIT * TEXT) < 2 * radius:
-        # By the height of digits: matplotlib centres the line, with room for descenders.
+        # By the height of digits: matplotlib centers the line, with room for descenders.
         x, y = centre - [0, _DIGIT * TEXT / 2]
         axes.text(x, y, count, ha="center", va="baseline", color=text_on(colour), zorder=4)

@@ -1,4 +1,4 @@
-"""A contact sheet: small pictures in labelled rows and columns."""
+"""A contact sheet: small pictures in labeled rows and columns."""
 
 from collections.abc import Sequence
 

@@ -114,7 +114,7 @@ def _draw_curve(axes: Axes, contour: Contour, r: Array, colour: str, label: str)
 
 
 def draw_discs(axes: Axes, centres: Array, diameter: float, colour: str, label: str) -> None:
-    """Draw discs of a diameter [pt] around points (N, 2) [m]."""
+    """Draw disks of a diameter [pt] around points (N, 2) [m]."""
     sizes = np.full(len(centres), diameter)
     discs = EllipseCollection(
         sizes, sizes, np.zeros(len(centres)), units="points", offsets=centres, offset_transform=axes.transData
@@ -199,7 +199,7 @@ def _density(scene: Scene) -> Density:
 
 
 def density_map(scene: Scene, dots: float) -> Array:
-    """Return the density over the stage's bounding box, `dots` per metre, as a share of its largest value."""
+    """Return the density over the stage's bounding box, `dots` per meter, as a share of its largest value."""
     left, bottom, right, top = scene.stage.box
     columns, rows = (int(np.ceil(dots * extent)) for extent in (right - left, top - bottom))
     x = left + (np.arange(columns) + 0.5) * (right - left) / columns

@@ -1,6 +1,6 @@
-"""From interactions, information and control law to the behaviour of a swarm (Fig. 2), for both kinds of law.
+"""From interactions, information and control law to the behavior of a swarm (Fig. 2), for both kinds of law.
 
-Each row shows one run: the interactions, the information of one robot, its control law, and the swarm's behaviour.
+Each row shows one run: the interactions, the information of one robot, its control law, and the swarm's behavior.
 """
 
 from collections.abc import Sequence
@@ -51,7 +51,7 @@ def interaction_figure(
     Args:
         runs: of unicycles, on stages of one size.
         times: of the first three panels of each [s]; the last panel shows the end.
-        behaviours: of the swarms, in words.
+        behaviors: of the swarms, in words.
         width: of the figure [in].
     """
     across, stage = 4 if width >= DOUBLE_COLUMN else 2, runs[0].scene.stage
@@ -124,7 +124,7 @@ def _draw_target(axes: Axes, run: Trajectory, period: int, robot: int) -> None:
 
 
 def _draw_cell(axes: Axes, run: Trajectory, period: int, robot: int) -> None:
-    """Draw a robot, its neighbours, and its Voronoi cell with the centroid."""
+    """Draw a robot, its neighbors, and its Voronoi cell with the centroid."""
     points = run.poses[period, :, :2]
     cells = voronoi_cells(points, corners_of(run.scene.stage))
     pairs = neighbours(points, cells)

@@ -49,7 +49,7 @@ _THIN = 0.5  # smallest width of a trace where all robots leave one [pt]
 def with_traces(trajectory: Trajectory, robots: int | None) -> Trajectory:
     """Return the run with full traces of some robots, all for None, in place of its video's trails.
 
-    Traces have the colours of the theme.
+    Traces have the colors of the theme.
     """
     video = trajectory.scene.video
     trails = {"robots": robots, "seconds": None, "fade": False}
@@ -68,7 +68,7 @@ def frames_figure(trajectory: Trajectory, times: Sequence[float], *, width: floa
     From above, a contour is drawn faintly at t = 0.
 
     Args:
-        trajectory: its scene's `video` gives the view, the trails, and the colours.
+        trajectory: its scene's `video` gives the view, the trails, and the colors.
         times: within the run [s].
         width: of the figure [in].
 
@@ -95,7 +95,7 @@ def traces_figure(trajectories: Mapping[str, Trajectory], *, width: float = DOUB
     """Draw the full traces of all robots, one panel for each run with its name above.
 
     Args:
-        trajectories: by name, for example that of an emotion, on stages of one size and colour.
+        trajectories: by name, for example that of an emotion, on stages of one size and color.
         width: of the figure [in].
     """
     scenes = [run.scene for run in trajectories.values()]
@@ -171,7 +171,7 @@ SHOWN = {
     "distance_to_boundary_end": "boundary\ndistance\n[m]",
 }
 _APART = 0.64  # between two axes [in], so that their labels do not touch
-_MARKERS = dict(zip(EMOTION_COLOURS, "osDP^v", strict=True))  # for print in grey, and where lines cross
+_MARKERS = dict(zip(EMOTION_COLOURS, "osDP^v", strict=True))  # for print in gray, and where lines cross
 
 
 @in_style()

@@ -1,4 +1,4 @@
-"""Parts of technical drawings: a page in metres, arrows, dimension lines, angles."""
+"""Parts of technical drawings: a page in meters, arrows, dimension lines, angles."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -20,7 +20,7 @@ _BEYOND = 2.0  # length of an extension line beyond its dimension line [pt]
 
 
 def drawing(bounds: Array, width: float, largest: float) -> tuple[Figure, Axes]:
-    """Return a page with axes in metres, as large as its width allows, with the drawing in its middle.
+    """Return a page with axes in meters, as large as its width allows, with the drawing in its middle.
 
     Args:
         bounds: lower left and upper right corner (2, 2) [m] of the drawing.
@@ -38,13 +38,13 @@ def drawing(bounds: Array, width: float, largest: float) -> tuple[Figure, Axes]:
 
 
 def scale_of(axes: Axes) -> float:
-    """Return the scale of axes in metres [pt/m]."""
+    """Return the scale of axes in meters [pt/m]."""
     left, right = axes.get_xlim()
     return float(axes.bbox.width / axes.figure.dpi * POINTS / (right - left))
 
 
 def write_math(axes: Axes, place: Array, text: str, colour: str = INK) -> None:
-    """Write a text, which may hold formulas, centred at a point (2,) [m]."""
+    """Write a text, which may hold formulas, centered at a point (2,) [m]."""
     how: Any = {"ha": "center", "va": "center", "parse_math": True, "zorder": 6}  # Any: the stubs lack parse_math
     axes.text(float(place[0]), float(place[1]), text, color=colour, **how)
 

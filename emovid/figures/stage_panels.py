@@ -161,7 +161,7 @@ def draw_lines(axes: Axes, lines: Sequence[Array], colours: Sequence[ColorType],
 
 
 def draw_robots(axes: Axes, body: Body, poses: Array, bodies: Sequence[str], colours: Colours) -> None:
-    """Draw robots at poses (N, 3) from above, each body in its own colour."""
+    """Draw robots at poses (N, 3) from above, each body in its own color."""
     kinds = {"rim": [colours.stage], "wheels": [colours.wheels], "body": list(bodies), "front": [colours.front]}
     parts = {"rim": robot_rim(body, _HALO / scale_of(axes)), **robot_parts(body)}
     for name, part in parts.items():
@@ -171,7 +171,7 @@ def draw_robots(axes: Axes, body: Body, poses: Array, bodies: Sequence[str], col
 
 
 def draw_swarm(axes: Axes, trajectory: Trajectory, t: float, camera: PinholeCamera | None = None) -> None:
-    """Draw all robots at the time `t` [s] in the colours of their trails, from above or as a camera sees them."""
+    """Draw all robots at the time `t` [s] in the colors of their trails, from above or as a camera sees them."""
     scene, poses = trajectory.scene, trajectory.at(np.array([t]))[0]
     colours, bodies = print_colours(scene), body_colours(trajectory)
     if camera is None:
@@ -186,12 +186,12 @@ def draw_swarm(axes: Axes, trajectory: Trajectory, t: float, camera: PinholeCame
 
 
 def print_colours(scene: Scene) -> Colours:
-    """Return the colours of the scene's videos; a light stage without a colour of its own is white as paper."""
+    """Return the colors of the scene's videos; a light stage without a color of its own is white as paper."""
     return scene.video.colours.over(PAPER if scene.video.theme == "light" else THEMES[scene.video.theme])
 
 
 def body_colours(trajectory: Trajectory) -> list[str]:
-    """Return the colour of each robot's body: that of its trail, if it leaves one."""
+    """Return the color of each robot's body: that of its trail, if it leaves one."""
     scene, colours = trajectory.scene, print_colours(trajectory.scene)
     bodies = [colours.body] * scene.robots
     for i, robot in enumerate(trailed_robots(trajectory.poses[0], scene.video.trails.robots)):

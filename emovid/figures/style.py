@@ -25,7 +25,7 @@ TEXT = 8.0  # size of all text [pt]: figures are printed at their own size
 POINTS = 72.0  # per inch
 NONE = "none"  # the answer "none of these"
 
-# About eleven steps of lightness (CIE L*) apart, so that they differ in grey; under protanopia, deuteranopia and
+# About eleven steps of lightness (CIE L*) apart, so that they differ in gray; under protanopia, deuteranopia and
 # tritanopia (Machado et al. 2009, severity 1) any two are 17 or more apart in CIE Lab.
 EMOTION_COLOURS = {
     "happiness": "#f7ce12",
@@ -125,7 +125,7 @@ def settle(figure: Figure) -> Figure:
 
 
 def label_colours(labels: Sequence[str]) -> dict[str, str]:
-    """Return a colour for each label: that of the emotion, or steps of viridis if any label is not one of the six."""
+    """Return a color for each label: that of the emotion, or steps of viridis if any label is not one of the six."""
     named = [label for label in labels if label != NONE]
     colours = EMOTION_COLOURS
     if not set(named) <= set(EMOTION_COLOURS):
@@ -134,13 +134,13 @@ def label_colours(labels: Sequence[str]) -> dict[str, str]:
 
 
 def steps(count: int, colours: str = "viridis") -> list[str]:
-    """Return `count` colours from dark to light, colour-blind-safe and readable in grey."""
+    """Return `count` colors from dark to light, color-blind-safe and readable in gray."""
     ends = {"viridis": (0.08, 0.95), "Blues": (0.75, 0.2)}[colours]
     return [to_hex(colour) for colour in matplotlib.colormaps[colours](np.linspace(*ends, count))]
 
 
 def text_on(colour: str) -> str:
-    """Return the text colour with the higher contrast on `colour`: dark ink or white."""
+    """Return the text color with the higher contrast on `colour`: dark ink or white."""
     channels = np.array(to_rgb(colour))
     linear = np.where(channels <= 0.04045, channels / 12.92, ((channels + 0.055) / 1.055) ** 2.4)
     luminance = linear @ [0.2126, 0.7152, 0.0722]  # WCAG 2: contrast is (lighter + 0.05) / (darker + 0.05)

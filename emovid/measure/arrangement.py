@@ -124,12 +124,12 @@ def crowding(window: Window) -> dict[str, float]:
 
 
 def nearest_neighbour(points: Array) -> float:
-    """Return the mean distance [m] of points (N, 2) from their nearest neighbours, NaN for one point."""
+    """Return the mean distance [m] of points (N, 2) from their nearest neighbors, NaN for one point."""
     return float(cKDTree(points).query(points, k=2)[0][:, 1].mean()) if len(points) > 1 else float("nan")
 
 
 def order(points: Array, velocities: Array) -> tuple[Array, Array]:
-    """Return polarisation and rotation (F,) of robots at `points` with unit or zero `velocities`, both (F, N, 2).
+    """Return polarization and rotation (F,) of robots at `points` with unit or zero `velocities`, both (F, N, 2).
 
     NaN where no robot has a direction or a radius.
     """

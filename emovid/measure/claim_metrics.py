@@ -88,7 +88,7 @@ def _to_snapshot(window: Window) -> dict[str, float]:
 def speeds_in_a_second(trajectory: Trajectory) -> tuple[float, float]:
     """Return the least and the largest mean speed [m/s] of the swarm in any second of its run.
 
-    The distance travelled is piecewise linear in time with bends at the samples, so the extremes lie where a second
+    The distance traveled is piecewise linear in time with bends at the samples, so the extremes lie where a second
     starts or ends at a sample. A run of less than a second is one window.
     """
     t = trajectory.t

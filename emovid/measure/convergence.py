@@ -1,4 +1,4 @@
-"""Progress of a coverage behaviour towards its end, and how far robots overshoot the centroids they head for.
+"""Progress of a coverage behavior toward its end, and how far robots overshoot the centroids they head for.
 
 The cost of a configuration is the locational cost H = sum_i of the integral over V_i of |q - p_i|^2 phi(q) dq
 (J. Cortés, S. Martínez, T. Karatas and F. Bullo, "Coverage control for mobile sensing networks", IEEE Trans. Robot.
@@ -51,7 +51,7 @@ CONVERGENCE = (
 
 
 def convergence(window: Window) -> dict[str, float]:
-    """Return the descriptors of convergence; NaN for behaviours without a density."""
+    """Return the descriptors of convergence; NaN for behaviors without a density."""
     scene = window.trajectory.scene
     if not isinstance(scene.behaviour, Coverage):
         return {descriptor.name: float("nan") for descriptor in CONVERGENCE}

@@ -57,7 +57,7 @@ _TEMPLATE = Path(__file__).with_name("robotarium_script.py.in")
 
 
 class Arena(NamedTuple):
-    """An arena of the Robotarium, its centre the origin [m]."""
+    """An arena of the Robotarium, its center the origin [m]."""
 
     width: float
     height: float

@@ -19,7 +19,7 @@ class ContourKeys(Keys):
 
     @property
     def extent(self) -> float:
-        """Largest distance [m] of the contour from its centre."""
+        """Largest distance [m] of the contour from its center."""
         raise NotImplementedError
 
 

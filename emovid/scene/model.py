@@ -42,7 +42,7 @@ Time = Annotated[float, Field(ge=0, le=MAX_DURATION)]
 
 
 class Scene(Keys):
-    """One swarm, one behaviour, one video."""
+    """One swarm, one behavior, one video."""
 
     emotion: EmotionName | None = Field(description="the emotion that it expresses; null for none of the six")
     behaviour: Behaviour = Field(description="the law that every robot follows")

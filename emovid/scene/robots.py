@@ -19,7 +19,7 @@ Corner = Annotated[tuple[Offset, Offset], Field(strict=False)]
 
 
 class CircularShape(Keys):
-    """A disc."""
+    """A disk."""
 
     kind: Literal["circle"] = Field(description="a disc")
     radius: Length = Field(description="[m]")
@@ -156,24 +156,24 @@ class Body(Keys):
 
     @property
     def radius(self) -> float:
-        """Radius [m] of the smallest disc about the pose that holds the whole outline, wheels included.
+        """Radius [m] of the smallest disk about the pose that holds the whole outline, wheels included.
 
-        Robots whose discs stay apart cannot touch, whatever their headings: this is the body for random starts and the
+        Robots whose disks stay apart cannot touch, whatever their headings: this is the body for random starts and the
         edge of the stage.
         """
         return self._reach(0.0)
 
     @property
     def disc(self) -> tuple[float, float]:
-        """Distance [m] of the body's middle ahead of the pose, and radius [m] of the disc about it that holds the body.
+        """Distance [m] of the body's middle ahead of the pose, and radius [m] of the disk about it that holds the body.
 
-        A tighter measure than `radius` if the wheels are not in the middle: these discs must stay apart.
+        A tighter measure than `radius` if the wheels are not in the middle: these disks must stay apart.
         """
         return self.shape.ahead, self._reach(self.shape.ahead)
 
     @property
     def guarded(self) -> tuple[float, float]:
-        """The disc that a barrier keeps apart: `disc`, or the disc about the pose of an omnidirectional robot."""
+        """The disk that a barrier keeps apart: `disc`, or the disk about the pose of an omnidirectional robot."""
         return self.disc if self.steers else (0.0, self.radius)
 
     def _reach(self, x: float) -> float:

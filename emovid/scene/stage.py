@@ -158,7 +158,7 @@ class StageKeys(Keys):
         return [edge.offset - (edge.x * x + edge.y * y) for edge in self.edges]
 
     def room(self, x: float, y: float) -> float:
-        """Return the radius [m] of the largest disc about a point that is inside; negative for a point outside."""
+        """Return the radius [m] of the largest disk about a point that is inside; negative for a point outside."""
         return min(self.distances(x, y))
 
 

@@ -4,7 +4,7 @@ A. D. Ames, X. Xu, J. W. Grizzle and P. Tabuada, "Control barrier function based
 systems", IEEE TAC 62(8), 2017; for swarms L. Wang, A. D. Ames and M. Egerstedt, "Safety barrier certificates for
 collisions-free multirobot systems", IEEE T-RO 33(3), 2017. Three choices differ from theirs:
 
-Guarded point. A body lies in a disc about a point q, a distance a ahead of the axle (`Body.guarded`). The point's
+Guarded point. A body lies in a disk about a point q, a distance a ahead of the axle (`Body.guarded`). The point's
 velocity is linear in the command, u = [e, a e'] (v, omega), e the heading and e' its left: the barrier keeps the bodies
 themselves apart, and loses no spacing to a look-ahead point. The unknowns are the speeds z = (v, c omega), c half the
 wheel base: |z|^2 is half the sum of squares of the wheels' speeds, and the motors' limits are half-planes, so that no

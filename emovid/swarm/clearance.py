@@ -1,6 +1,6 @@
 """Clearance: the share of a command's v with which bodies stay on the stage and apart. Poses are never moved.
 
-Under a held command the displacement is v times a curve that depends on heading and omega alone. So its reach towards a
+Under a held command the displacement is v times a curve that depends on heading and omega alone. So its reach toward a
 line has a closed form, which gives the largest v that keeps the center behind every line; omega stays as it is.
 Lines that are out of a robot's reach in a control period are left out.
 """
@@ -17,7 +17,7 @@ _ROUNDING = 1e-12  # m
 
 
 def share_on_stage(poses: Array, commands: Array, seconds: float, stage: Stage, radius: float) -> Array:
-    """Return the share (N,) in [0, 1] of each v that keeps the body, a disc of `radius` [m], on the stage throughout.
+    """Return the share (N,) in [0, 1] of each v that keeps the body, a disk of `radius` [m], on the stage throughout.
 
     Args:
         poses: (N, 3) at the start of the period, bodies on the stage.
@@ -41,7 +41,7 @@ def _lines(edges: tuple[Edge, ...]) -> tuple[Array, Array, Array, Array]:
 
 
 def room_on_stage(points: Array, stage: Stage) -> Array:
-    """Return the radius (...) [m] of the largest disc about each point (..., 2) that is on the stage; < 0 off it."""
+    """Return the radius (...) [m] of the largest disk about each point (..., 2) that is on the stage; < 0 off it."""
     return np.min(stage.distances(points[..., 0], points[..., 1]), axis=0)
 
 
@@ -80,7 +80,7 @@ def _smallest_share(
 
 
 def _fitting_share(poses: Array, commands: Array, seconds: float, facing: Array, slack: Array) -> Array:
-    """Return the share (C,) of each v with which a centre advances by at most `slack` [m] in the direction `facing`.
+    """Return the share (C,) of each v with which a center advances by at most `slack` [m] in the direction `facing`.
 
     A slack below zero, from rounding, counts as zero. So does an advance of the size of a rounding error: otherwise a
     robot that touches a wall could not drive along it.

@@ -91,7 +91,7 @@ def _terms(uniform: float = 0.0, ridges: Sequence[Ridge] = (), peaks: Sequence[P
 
 
 def _gaussian(density: Gaussian) -> Density:
-    """exp(-|q - centre|^2 / 2 sigma^2), the density of anger."""
+    """exp(-|q - center|^2 / 2 sigma^2), the density of anger."""
     factor, x_0, y_0 = -0.5 / density.sigma**2, density.centre.x, density.centre.y
     peak = Peak(1.0, x_0, y_0, 1 / density.sigma, 0.0, 0.0, 1 / density.sigma)
     return Density(lambda x, y: np.exp(factor * ((x - x_0) ** 2 + (y - y_0) ** 2)), density.sigma, _terms(peaks=[peak]))

@@ -26,7 +26,7 @@ def start_angles(robots: int) -> Array:
 
 
 def radius(contour: Contour, theta: Array, t: float) -> Array:
-    """Return the distance [m] of the contour from its centre at the angles `theta` (N,) [rad] and time `t` [s].
+    """Return the distance [m] of the contour from its center at the angles `theta` (N,) [rad] and time `t` [s].
 
     Circular sinusoid: R + A sin(f theta). Expanding circle: mod(c t, R_max - R_min) + R_min with c the expansion rate;
     the paper prints c = 1 m/s, which would cross its stage in under a second, and then a controller that holds R(0)

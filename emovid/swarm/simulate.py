@@ -86,10 +86,10 @@ def sample_times(duration: float, control_period: float) -> Array:
 
 
 def _law(scene: Scene) -> Law:
-    """Return the behaviour's law.
+    """Return the behavior's law.
 
     A contour's is evaluated at the look-ahead points, which then obey it as single integrators with gain K; coverage at
-    the robots' centres, as the paper prints it.
+    the robots' centers, as the paper prints it.
     """
     behaviour, stage, robot = scene.behaviour, scene.stage, scene.robot
     if isinstance(behaviour, Coverage):

@@ -14,7 +14,7 @@ from emovid.swarm.laws import followed_points, settled_points, start_angles, sta
 from emovid.swarm.unicycle import look_ahead, wrapped
 from emovid.swarm.voronoi import pairs_within
 
-# Trial points on the stage for each robot before giving up: random discs cover at most 54.7 % of the plane, and
+# Trial points on the stage for each robot before giving up: random disks cover at most 54.7 % of the plane, and
 # reaching that takes without end. Most points miss a stage that is thin and lies diagonally in its box.
 _TRIALS_PER_ROBOT = 300
 _ROUNDS = 100 * _TRIALS_PER_ROBOT
@@ -43,7 +43,7 @@ def start_poses(scene: Scene, rng: np.random.Generator) -> Array:
 
 
 def _on_contour(scene: Scene) -> Array:
-    """Put the look-ahead points on the contour, heading along it, and the centres `l` behind them.
+    """Put the look-ahead points on the contour, heading along it, and the centers `l` behind them.
 
     With the centers on the contour instead, v(0) = -K l: every robot would start backwards.
     """
@@ -92,7 +92,7 @@ def _at_random(scene: Scene, start: InStage | InRegion, rng: np.random.Generator
 
 
 def _most(sides: Array, spacing: float) -> float:
-    """Return an upper bound on the points `spacing` [m] apart in a rectangle: discs cover at most pi / sqrt(12)."""
+    """Return an upper bound on the points `spacing` [m] apart in a rectangle: disks cover at most pi / sqrt(12)."""
     return 2 / np.sqrt(3) * float(np.prod(sides + spacing)) / spacing**2
 
 
@@ -152,7 +152,7 @@ def _check_spacing(scene: Scene, poses: Array) -> None:
     middles = look_ahead(poses, ahead)
     least = 2 * radius + _separation(scene)
     i, j = pairs_within(middles, least - _ROUNDING)
-    # Discs about the axles that are apart suffice: a random start has ensured that.
+    # Disks about the axles that are apart suffice: a random start has ensured that.
     apart = np.hypot(*(poses[i] - poses[j])[:, :2].T) >= 2 * body.radius + _separation(scene) - _ROUNDING
     pairs = np.stack([i, j], axis=1)[~apart]
     if len(pairs):

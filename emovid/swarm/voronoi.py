@@ -101,7 +101,7 @@ class Fans(NamedTuple):
 class _Links(NamedTuple):
     """Pairs of neighbors i, j (L,), and the ends of their borders on the bisectors (L,): s, infinite for no end.
 
-    `left` and `right` are seen from i towards j.
+    `left` and `right` are seen from i toward j.
     """
 
     i: Indices

@@ -1,4 +1,4 @@
-"""Cameras: from metres on the stage to pixels of a frame, from straight above or in perspective.
+"""Cameras: from meters on the stage to pixels of a frame, from straight above or in perspective.
 
 Pixels are counted from the lower left corner of the frame, y upwards.
 """
@@ -21,8 +21,8 @@ class OverheadCamera:
 
     Attributes:
         width, height: frame size [pixels].
-        scale: pixels per metre.
-        centre: point (x, y) [m] in the middle of the frame.
+        scale: pixels per meter.
+        center: point (x, y) [m] in the middle of the frame.
     """
 
     width: int
@@ -40,7 +40,7 @@ class OverheadCamera:
 
     @property
     def max_scale(self) -> float:
-        """Largest scale anywhere on the stage [pixels per metre]: the same everywhere."""
+        """Largest scale anywhere on the stage [pixels per meter]: the same everywhere."""
         return self.scale
 
     def pixels(self, points: Array) -> Array:
@@ -52,7 +52,7 @@ class OverheadCamera:
         return (pixels - np.array([self.width, self.height]) / 2) / self.scale + np.array(self.centre)
 
     def disc_maps(self, points: Array, radius: float) -> Array:
-        """Return the maps (N, 3, 3) from the unit circle to discs at points (N, 2) [m], of a radius [pixels]."""
+        """Return the maps (N, 3, 3) from the unit circle to disks at points (N, 2) [m], of a radius [pixels]."""
         return np.repeat(np.diag([radius, radius, 1.0])[None], len(points), axis=0)
 
     def stage_share(self, stage: Stage, pixels: Array) -> Array:
@@ -101,12 +101,12 @@ class PinholeCamera:
 
     @cached_property
     def scale(self) -> float:
-        """Pixels per metre across the frame in the middle of the stage."""
+        """Pixels per meter across the frame in the middle of the stage."""
         return float(self.aim.focal / self._depth(np.array([*self.middle, 0.0])))
 
     @cached_property
     def max_scale(self) -> float:
-        """Largest scale anywhere on the stage, in any direction [pixels per metre]."""
+        """Largest scale anywhere on the stage, in any direction [pixels per meter]."""
         near = self.disc_maps(np.array([self.nearest]), 1.0)[0, :2, :2] * self.scale
         return float(np.linalg.norm(near, ord=2))
 
@@ -132,11 +132,11 @@ class PinholeCamera:
         return self.eye[:2] - self.eye[2] * rays[..., :2] / rays[..., 2:]
 
     def disc_maps(self, points: Array, radius: float) -> Array:
-        """Return the maps (N, 3, 3) from the unit circle to small discs on the floor at points (N, 2) [m].
+        """Return the maps (N, 3, 3) from the unit circle to small disks on the floor at points (N, 2) [m].
 
         Args:
-            points: centres of the discs.
-            radius: radius of such a disc in the middle of the stage if it faced the camera [pixels].
+            points: centers of the disks.
+            radius: radius of such a disk in the middle of the stage if it faced the camera [pixels].
         """
         maps = np.zeros((len(points), 3, 3))
         depth = self._depth(np.concatenate([points, np.zeros((len(points), 1))], axis=1))[:, None]

@@ -29,7 +29,7 @@ class Layer(NamedTuple):
 
     Attributes:
         path: the outline, in units of its own.
-        face: colours (1, 4) or one for each place (N, 4), RGBA from 0 to 1.
+        face: colors (1, 4) or one for each place (N, 4), RGBA from 0 to 1.
     """
 
     path: Path
@@ -44,7 +44,7 @@ class Canvas:
 
     Args:
         width, height: picture size [pixels].
-        colour: of the background.
+        color: of the background.
 
     Attributes:
         pixels: the picture (height, width, 4): RGBA, row 0 on top.
@@ -84,7 +84,7 @@ class Canvas:
 
         Args:
             lines: at least one.
-            colours: (1, 4), or one for each line.
+            colors: (1, 4), or one for each line.
             width: [pixels].
         """
         points = np.concatenate(lines)
@@ -115,7 +115,7 @@ class Canvas:
 
         Args:
             outlines: at least one.
-            colours: (1, 4), or one for each outline.
+            colors: (1, 4), or one for each outline.
             low: lower left corners of boxes (B, 2) that together hold them [pixels].
             high: their upper right corners.
         """
@@ -190,5 +190,5 @@ class Canvas:
 
 
 def rgba(colours: Sequence[str]) -> Array:
-    """Return colours as (N, 4), RGBA from 0 to 1."""
+    """Return colors as (N, 4), RGBA from 0 to 1."""
     return np.array([to_rgba(colour) for colour in colours])

@@ -33,7 +33,7 @@ class Format(NamedTuple):
 _QUANTIZER_OVER_CRF, _MAX_QUANTIZER = 8, 51  # of x264; measured on the six videos
 PICTURE = "%05d.png"  # of a sequence, from 00000.png
 
-# Frames arrive as Y, U and V; `setparams` labels their colour space completely, the encoder's own options only in part.
+# Frames arrive as Y, U and V; `setparams` labels their color space completely, the encoder's own options only in part.
 _BT709 = "-vf setparams=color_primaries=bt709:color_trc=bt709:colorspace=bt709:range=tv"
 
 FORMATS: dict[FormatName, Format] = {

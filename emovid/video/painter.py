@@ -25,8 +25,8 @@ from emovid.video.trails import PIECE, Piece, Span, Trails, oldest, ribbon, shad
 _FLATNESS = 0.1  # largest deviation of a drawn trail from its arcs [pixels]
 _EDGE = 0.1  # width of the line around the stage, over a robot's width
 _HALO = 0.04  # width of the light rim that separates a robot from trails below it, over the robot's width
-_SKY = 0.45  # share of the stage's colour at the horizon; the rest is the colour of the surround
-_HAZE = 6.0  # distance at which the floor has mostly the colour of the horizon, over that of the stage's far edge
+_SKY = 0.45  # share of the stage's color at the horizon; the rest is the color of the surround
+_HAZE = 6.0  # distance at which the floor has mostly the color of the horizon, over that of the stage's far edge
 
 
 class Painter:
@@ -131,7 +131,7 @@ class OverheadView:
         canvas.polygon(corners, self._colours.stage, self._colours.boundary, edge)
 
     def draw_lines(self, canvas: Canvas, pieces: Sequence[Piece], colours: Array, width: float) -> None:
-        """Draw lines of a width [m], each in its colour (L, 4), one over the other."""
+        """Draw lines of a width [m], each in its color (L, 4), one over the other."""
         canvas.lines([self.camera.pixels(piece.line) for piece in pieces], colours, width * self.camera.scale)
 
     def draw_robots(self, canvas: Canvas, poses: Array) -> None:
@@ -162,7 +162,7 @@ class PerspectiveView:
         canvas.polygon(self.camera.pixels(corners), self._colours.stage, self._colours.stage, 0.0)
 
     def draw_lines(self, canvas: Canvas, pieces: Sequence[Piece], colours: Array, width: float) -> None:
-        """Draw lines of a width [m], each in its colour (L, 4), one over the other."""
+        """Draw lines of a width [m], each in its color (L, 4), one over the other."""
         ribbons = [ribbon(self.camera, piece.line, width, piece.before) for piece in pieces]
         low, high = (np.concatenate(corners) for corners in zip(*((r.low, r.high) for r in ribbons), strict=True))
         canvas.fill([ribbon.path for ribbon in ribbons], colours, low, high)
@@ -183,7 +183,7 @@ def _floor(camera: PinholeCamera, scene: Scene, colours: Colours) -> Pixels:
     """Return the empty room (height, width, 4): a floor that pales with distance, up to the horizon and above it."""
     surround, stage = (255 * np.array(to_rgb(colour)) for colour in (colours.surround, colours.stage))
     sky = surround + _SKY * (stage - surround)
-    rows = camera.height - np.arange(camera.height) - 0.5  # centres of the pixels, from below
+    rows = camera.height - np.arange(camera.height) - 0.5  # centers of the pixels, from below
     below = np.minimum(rows, camera.horizon - 1e-3)
     middles = np.stack([np.full(camera.height, camera.width / 2), below], axis=-1)
     away = camera.metres(middles)[:, 1] - camera.aim.y

@@ -1,11 +1,11 @@
 """From RGBA frames to the pixel formats of encoders, converted only where a frame has changed.
 
 Y, U and V (yuv420p): a block of 2 x 2 pixels has four lumas and one pair of chromas. It is sixteen numbers in and six
-out, by one linear map, so that a picture is a matrix product; and since no block depends on its neighbours, converting
+out, by one linear map, so that a picture is a matrix product; and since no block depends on its neighbors, converting
 some blocks gives the same result as converting all of them.
 
 Luma is that of ITU-R BT.709-6, items 3.2 to 3.5, at 8 bits, to within half a level and a rounding; chroma is that of
-the mean of the block. ffmpeg's own conversion gives the same luma to one level, and the same chroma where the colour is
+the mean of the block. ffmpeg's own conversion gives the same luma to one level, and the same chroma where the color is
 even; at edges it also weighs rows outside the block.
 """
 
@@ -19,7 +19,7 @@ from emovid.video.canvas import Box, Pixels
 Levels = NDArray[np.float32]
 Colours24 = NDArray[np.uint32]  # red + 2^8 green + 2^16 blue
 
-PALETTE_SIZE = 255  # of the 256 colours of a GIF: one is needed for pixels that do not change
+PALETTE_SIZE = 255  # of the 256 colors of a GIF: one is needed for pixels that do not change
 _PARTS = 65536  # of a level: the maps' coefficients are multiples of 1 / 65536
 _BATCH = 16384  # blocks converted at once: with their results they fit into the processor's cache
 _RGB = 0xFFFFFF
@@ -71,12 +71,12 @@ def yuv_of_blocks(blocks: Pixels) -> tuple[Pixels, Pixels]:
     values = blocks.astype(np.float32)
     luma, chroma = values @ _LUMA, values @ _CHROMA
     luma += np.float32(16.5)  # black, and half a level for rounding
-    chroma += np.float32(128.5)  # grey, likewise
+    chroma += np.float32(128.5)  # gray, likewise
     return luma.astype(np.uint8), chroma.astype(np.uint8)
 
 
 def _block_maps() -> tuple[Levels, Levels]:
-    """Return the maps to Y (16, 4) and to U and V (16, 2), rounded so that white has Y 235 and greys no chroma."""
+    """Return the maps to Y (16, 4) and to U and V (16, 2), rounded so that white has Y 235 and grays no chroma."""
     red, blue = 0.2126, 0.0722  # weights of the primaries in luma: BT.709
     weights = np.array([red, 1 - red - blue, blue])
     luma = np.round(_PARTS * 219 / 255 * weights)
@@ -99,10 +99,10 @@ class PaletteIndices:
 
     Args:
         width, height: picture size [pixels].
-        colours: of the palette (C,), at most 256.
+        colors: of the palette (C,), at most 256.
 
     Attributes:
-        data: as ffmpeg's pal8: for each pixel, row by row, the index of the nearest colour in RGB; then 256 colours as
+        data: as ffmpeg's pal8: for each pixel, row by row, the index of the nearest color in RGB; then 256 colors as
             BGRA.
     """
 
@@ -112,7 +112,7 @@ class PaletteIndices:
         self._index = self.data[:size].reshape(height, width)
         self._colours = _channels(colours)
         self.data[size:].reshape(256, 4)[: len(colours)] = np.insert(self._colours[:, ::-1], 3, 255, axis=1)
-        self._nearest = np.full(_RGB + 1, -1, np.int16)  # index by colour, -1 for a colour not met yet
+        self._nearest = np.full(_RGB + 1, -1, np.int16)  # index by color, -1 for a color not met yet
 
     def convert(self, picture: Pixels, changed: Iterable[Box]) -> Pixels:
         """Return the data of a picture (height, width, 4) that differs from the last one inside boxes only."""
@@ -128,7 +128,7 @@ class PaletteIndices:
 
 
 def frequent_colours(pictures: Iterable[Pixels]) -> Colours24:
-    """Return the most frequent colours of pictures (height, width, 4), at most `PALETTE_SIZE`."""
+    """Return the most frequent colors of pictures (height, width, 4), at most `PALETTE_SIZE`."""
     found = [np.unique(picture.view(np.uint32) & _RGB, return_counts=True) for picture in pictures]
     colours, place = np.unique(np.concatenate([colours for colours, _ in found]), return_inverse=True)
     counts = np.bincount(place, np.concatenate([counts for _, counts in found]))
@@ -140,7 +140,7 @@ def _channels(colours: Colours24) -> NDArray[np.int32]:
 
 
 def _nearest(wanted: NDArray[np.int32], colours: NDArray[np.int32]) -> NDArray[np.int16]:
-    """Return the index (N,) of the colour in (C, 3) nearest to each of (N, 3)."""
+    """Return the index (N,) of the color in (C, 3) nearest to each of (N, 3)."""
     index = np.empty(len(wanted), np.int16)
     for first in range(0, len(wanted), 4096):  # a table of all distances could be large
         part = wanted[first : first + 4096, None]

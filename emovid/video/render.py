@@ -18,7 +18,7 @@ from emovid.video.encoder import FORMATS, video_arguments, write_pictures, write
 from emovid.video.painter import Painter
 from emovid.video.pixel_formats import Colours24, PaletteIndices, Yuv420, frequent_colours
 
-_SAMPLES = 8  # frames from which the colours of a GIF are chosen
+_SAMPLES = 8  # frames from which the colors of a GIF are chosen
 
 
 def render_video(
@@ -177,7 +177,7 @@ def _frame_times(trajectory: Trajectory) -> Array:
 
 
 def _palette(trajectory: Trajectory) -> Colours24:
-    """Return the most frequent colours in some frames of a video."""
+    """Return the most frequent colors in some frames of a video."""
     times, painter = _frame_times(trajectory), Painter(trajectory)
     chosen = np.linspace(0, len(times) - 1, min(_SAMPLES, len(times))).round().astype(int)
     return frequent_colours(painter.frame(t) for t in times[chosen])

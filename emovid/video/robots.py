@@ -1,6 +1,6 @@
 """Robots as they are drawn: flat outlines from above, and solids on the floor in perspective.
 
-Solids are painted from far to near. That is exact for bodies whose discs stay apart (`Body.radius`): of two equal discs
+Solids are painted from far to near. That is exact for bodies whose disks stay apart (`Body.radius`): of two equal disks
 that do not meet, no straight line from a point enters the farther one first.
 """
 
@@ -21,7 +21,7 @@ _SHADES = 12  # steps of brightness of the sides
 _BELOW = 0.2  # of the way to its middle that a side reaches under the top
 _INSET = 0.75  # distance of a shade from the outline [pixels]
 _CLEARANCE = 0.5  # height of the body's underside above the floor, over the wheels' radius
-_HUB, _HUB_SIZE = 0.3, 0.65  # of a wheel: share of the body's colour, radius over the wheel's
+_HUB, _HUB_SIZE = 0.3, 0.65  # of a wheel: share of the body's color, radius over the wheel's
 _SPOKES = 24  # corners of a wheel's outline
 _SHADOW_RIM = 0.06  # by which the shadow is wider than the robot, over the body's width
 _SHADOW = np.array([0.0, 0.0, 0.0, 0.16])
@@ -108,7 +108,7 @@ def _front_mark(size: float, ahead: float) -> Path:
 
 
 class RobotColours(NamedTuple):
-    """The colours of a swarm, RGBA from 0 to 1.
+    """The colors of a swarm, RGBA from 0 to 1.
 
     Attributes:
         bodies: (N, 4).
@@ -126,7 +126,7 @@ class Solids(NamedTuple):
 
     Attributes:
         paths: outlines to fill, in the order of painting [pixels].
-        colours: of each (F, 4), RGBA from 0 to 1.
+        colors: of each (F, 4), RGBA from 0 to 1.
         low, high: corners of boxes (N, 2) that together hold it [pixels].
     """
 
@@ -216,7 +216,7 @@ class _Walls:
         return parts
 
     def _runs(self, i: int) -> list[Indices]:
-        """Return the corners of runs of neighbouring visible sides of robot `i`, the farthest run first."""
+        """Return the corners of runs of neighboring visible sides of robot `i`, the farthest run first."""
         faces, count = self._faces[i], self._faces.shape[1]
         runs = []
         for start in np.flatnonzero(self._starts[i]).tolist():
@@ -226,7 +226,7 @@ class _Walls:
 
 
 class _Wheels:
-    """Wheels as upright discs: the left and the right one of each robot (N).
+    """Wheels as upright disks: the left and the right one of each robot (N).
 
     Args:
         camera: of the view.

@@ -29,7 +29,7 @@ class Span(NamedTuple):
 
     Attributes:
         start, end: in the run [s].
-        shade: index into `shades`, from faint to full colour.
+        shade: index into `shades`, from faint to full color.
     """
 
     start: float
@@ -114,7 +114,7 @@ def oldest(look: video.Trails, t: float) -> float:
 
 
 def shades(colours: Colours, count: int) -> Array:
-    """Return the colours of trails (S, count, 4), RGBA from 0 to 1, from almost the stage's colour to their own.
+    """Return the colors of trails (S, count, 4), RGBA from 0 to 1, from almost the stage's color to their own.
 
     They are mixed, not translucent: overlaps of two pieces of a trail do not show.
     """
@@ -178,7 +178,7 @@ def ribbon(camera: PinholeCamera, line: Array, width: float, before: Array | Non
 def _mitred(normal: Array, length: Array, width: float) -> tuple[Array, Array, Mask]:
     """Return the offsets to the left at the start and the end of pieces (S, 2), and the joints (S - 1,) closed by them.
 
-    Where a line hardly turns, as in an arc of many pieces, neighbours share their corners.
+    Where a line hardly turns, as in an arc of many pieces, neighbors share their corners.
     """
     cos = (normal[:-1] * normal[1:]).sum(axis=1)
     long = length > _SHORT * width

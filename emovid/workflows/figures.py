@@ -40,7 +40,7 @@ class FigurePlan:
 
     Attributes:
         output: the folder, or `STDOUT` for a single file of text.
-        formats: of each figure of the catalogue.
+        formats: of each figure of the catalog.
         page: the figures of the gallery; None without a gallery.
         width: of all figures [in]; None for each one's own.
         left_out: why each figure that the study has no data for is left out.
@@ -83,7 +83,7 @@ def plan_figures(
     """Return which figures to make; all errors of the request, its scenes and its study are raised here.
 
     Args:
-        names: of the catalogue; "all", "gallery"; or "frames" or "contact-sheet" and a source.
+        names: of the catalog; "all", "gallery"; or "frames" or "contact-sheet" and a source.
         formats: to write; none for the default ones. A figure has only some of them.
         style: a name of `WIDTHS`, or None.
         study: results of a study; None for the reference study.
@@ -170,7 +170,7 @@ def measures_of(material: Material) -> dict[str, dict[str, float]]:
 
 
 def _entries(names: Sequence[str], moments: Moments, settings: Sequence[Setting]) -> list[Entry]:
-    """Return the requested figures: the one of any scene or video, or those of the catalogue."""
+    """Return the requested figures: the one of any scene or video, or those of the catalog."""
     kinds = [name for name in dict.fromkeys(names) if name in (*OF_ANY_SCENE, ALL, GALLERY)]
     if set(kinds) & set(OF_ANY_SCENE):
         if len(kinds) > 1:

@@ -33,7 +33,7 @@ def gallery(material: Material, entries: Sequence[Entry], done: Callable[[str], 
 
     Args:
         material: what they are made from.
-        entries: the figures, of the catalogue.
+        entries: the figures, of the catalog.
         done: called with the name of each finished video and figure.
     """
     videos, pictures = [], []

@@ -16,7 +16,7 @@ QUESTION = "Which emotion best describes the movement of the robots in the video
 
 
 def answer(i: int, j: int) -> str:
-    """What the i-th participant answers to the j-th video: mostly right, else its neighbour."""
+    """What the i-th participant answers to the j-th video: mostly right, else its neighbor."""
     return EMOTIONS[j if (i + j) % 3 else (j + i + 1) % 6]
 
 

@@ -1,4 +1,4 @@
-"""Golden images: each figure of the catalogue, small, as it was when someone last looked at it and accepted it.
+"""Golden images: each figure of the catalog, small, as it was when someone last looked at it and accepted it.
 
 Coverage is chaotic: a run of it differs from machine to machine in what is drawn, and so its figures could not be
 compared. Its runs are stored beside the images, and figures are drawn from them. All else is made anew each time.

@@ -14,7 +14,7 @@ def luma_and_colour(rgb: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray
 
 
 def exact_planes(picture: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the planes of a picture (height, width, 4), not rounded: colour from the mean of each 2 x 2 pixels."""
+    """Return the planes of a picture (height, width, 4), not rounded: color from the mean of each 2 x 2 pixels."""
     rgb = picture[..., :3].astype(float)
     mean = (rgb[0::2, 0::2] + rgb[0::2, 1::2] + rgb[1::2, 0::2] + rgb[1::2, 1::2]) / 4
     return luma_and_colour(rgb)[0], luma_and_colour(mean)[1], luma_and_colour(mean)[2]

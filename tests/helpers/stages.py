@@ -30,7 +30,7 @@ def convex_corners(draw: st.DrawFn, widest: float = 1.0, narrowest: float = 0.1)
     return [(point.real, point.imag) for point in ring]
 
 
-# Permanent trails of five robots in the colours of the theme, as figures show them and videos did at first.
+# Permanent trails of five robots in the colors of the theme, as figures show them and videos did at first.
 TRACES = {
     "video.trails.robots": 5,
     "video.trails.seconds": None,

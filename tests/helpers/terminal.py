@@ -42,7 +42,7 @@ class _Screen(io.StringIO):
 
 
 def on_a_screen(columns: int, arguments: list[str], monkeypatch: pytest.MonkeyPatch) -> str:
-    """Return what a command prints to stdout on a terminal without colours, so many columns wide."""
+    """Return what a command prints to stdout on a terminal without colors, so many columns wide."""
     with monkeypatch.context() as patch:
         for name, value in {"COLUMNS": str(columns), "TERM": "xterm"}.items():
             patch.setenv(name, value)

@@ -104,7 +104,7 @@ def law(**keys: object) -> Coverage:
 
 def test_robots_move_toward_their_centroids() -> None:
     u = coverage_velocity(law(), STAGE, np.array([[0.0, 0.0], [0.4, 0.0]]))
-    # The border is x = 0.2: cells centerd on -0.2 and 0.4.
+    # The border is x = 0.2: cells centered on -0.2 and 0.4.
     assert u == pytest.approx(np.array([[-0.4, 0.0], [0.0, 0.0]]), abs=1e-12)
 
 

@@ -51,7 +51,7 @@ def recognizes(table: Table, _: Known) -> bool:
 
 
 def read(table: Table, known: Known) -> ParsedExport:
-    """Read the events whose value is a label, in trials that show a video; trials labelled practice are left out."""
+    """Read the events whose value is a label, in trials that show a video; trials labeled practice are left out."""
     table = replace(table, cells=table.cells.mask(table.cells == "NULL", ""))
     submission = _cells(table, *_RECEIVED) + " " + _cells(table, _HASH)
     logged = [
