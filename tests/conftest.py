@@ -6,13 +6,13 @@ from typing import Any, NoReturn
 import pytest
 from hypothesis import settings
 
-# As the command line does, and before numpy is imported: with several test processes, threads of OpenBLAS wait for each
+# Like the command line, and before numpy is imported: with several test processes, threads of OpenBLAS wait for each
 # other far longer than they calculate.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 from emovid.scene.load import Setting, load_scene
 from emovid.scene.model import Scene
 
-# How long an example takes says more of the machine than of the code.
+# The duration of an example depends more on the machine than on the code.
 settings.register_profile("emovid", deadline=None)
 settings.register_profile("repeatable", deadline=None, derandomize=True)  # the same examples each time
 settings.load_profile("emovid")
@@ -33,9 +33,9 @@ def make_scene() -> MakeScene:
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 
 
-@pytest.fixture(scope="module")  # a playwright that is left running would take the thread's event loop from others
+@pytest.fixture(scope="module")  # a running playwright would occupy the event loop of the thread
 def browser():
-    """Start the machine's Chromium. Without one the tests in it are left out; where it is promised, they fail."""
+    """Start Chromium. Without it, browser tests are skipped, or fail if the environment requires it."""
     path = next((found for name in BROWSERS if (found := shutil.which(name))), None)
     if path is None:
         _left_out("no Chromium: its pages were NOT TRIED in a browser")

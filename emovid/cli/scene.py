@@ -79,7 +79,7 @@ def robots(as_json: Json = False) -> None:
     if as_json:
         typer.echo(json.dumps([body.model_dump() for body in bodies], indent=2))
         return
-    units = {"v_max": "m/s", "omega_max": "rad/s", "wheel_max": "m/s a wheel"}
+    units = {"v_max": "m/s", "omega_max": "rad/s", "wheel_max": "m/s per wheel"}
     for body in bodies:
         limits = body.limits.model_dump(exclude_none=True) if body.limits else {}
         size = "{:g} x {:g} mm".format(*(1000 * side for side in body.shape.box))

@@ -1,4 +1,4 @@
-"""Small batches: all items of a sweep, their jobs, and a reporter that says nothing."""
+"""Small batches: all items of a sweep, their jobs, and a silent reporter."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from emovid.errors import EmovidError
 
 
 class Silent:
-    """A reporter that keeps what it is told."""
+    """A reporter that keeps its reports."""
 
     def __init__(self) -> None:
         self.made: list[str] = []

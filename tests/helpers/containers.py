@@ -1,4 +1,4 @@
-"""PID namespaces of their own, as containers have them: every first process has the number 1."""
+"""Separate PID namespaces, as in containers: the first process of each has the number 1."""
 
 import shutil
 import subprocess

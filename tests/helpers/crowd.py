@@ -1,4 +1,4 @@
-"""Many participants at once, without browsers: from consent to submission, asking again where no reply comes."""
+"""Many parallel participants without browsers, from consent to submission, with retries if a reply is missing."""
 
 import http.client
 import json
@@ -11,16 +11,16 @@ from urllib.parse import urlencode, urlsplit
 
 
 class RefusedError(Exception):
-    """A reply that no participant should get."""
+    """An unexpected reply to a participant."""
 
 
 class Person:
-    """One participant, as the survey's own page would behave.
+    """One participant, with the behavior of the page of the survey.
 
     Attributes:
-        acknowledged: the answer to each place that the server said it has.
-        seconds: how long each reply took, without those that never came.
-        submitted: whether the server took all answers.
+        acknowledged: the answer to each position that the server acknowledged.
+        seconds: the time of each reply, without missing replies.
+        submitted: whether the server accepted the submission.
     """
 
     def __init__(self, address: str, number: int, duration: float) -> None:
@@ -34,11 +34,11 @@ class Person:
 
     @property
     def code(self) -> str:
-        """The participant's own, which the cookie holds."""
+        """The code of the participant, from the cookie."""
         return self._cookie.partition("=")[2]
 
     def take_part(self) -> None:
-        """Go from consent to submission."""
+        """Take part, from consent to submission."""
         page = self._ask("GET", "/")
         self._token = re.search(r'name="form-token" value="([0-9a-f]+)"', page)[1]
         self._post("/consent", consent="agree")
@@ -64,7 +64,7 @@ class Person:
         while not reply["open"]:
             time.sleep(reply["wait"])
             reply = self._report(f"/video/{place}/watched", play=play, share=1.0, frames=10, dropped=0)
-        for chosen in self._random.sample(labels, self._random.choice([1, 1, 2])):  # some change their mind
+        for chosen in self._random.sample(labels, self._random.choice([1, 1, 2])):  # some change their answer
             self._post(f"/video/{place}", response=chosen)
             self.acknowledged[place] = chosen
 
@@ -77,7 +77,7 @@ class Person:
         return json.loads(self._ask("POST", path, json.dumps(facts), headers))
 
     def _ask(self, method: str, path: str, body: str = "", headers: dict | None = None, expected: int = 200) -> str:
-        """Return the reply; ask until there is one."""
+        """Return the reply; repeat the request until there is one."""
         while True:
             try:
                 return self._asked_once(method, path, body, headers or {}, expected)
@@ -102,11 +102,11 @@ class Person:
 
 
 class Crowd:
-    """Participants who come at once.
+    """Parallel participants.
 
     Attributes:
         people: all of them.
-        failures: what no participant should see.
+        failures: unexpected replies.
     """
 
     def __init__(self, address: str, count: int, duration: float) -> None:

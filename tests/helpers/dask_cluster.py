@@ -1,4 +1,4 @@
-"""A real Dask scheduler with real workers, each a process of its own, for tests."""
+"""A real Dask scheduler with real workers, each in a separate process."""
 
 import json
 import os
@@ -15,7 +15,7 @@ Process = subprocess.Popen[bytes]
 
 @contextmanager
 def dask_scheduler(folder: Path) -> Iterator[tuple[str, Callable[..., Process]]]:
-    """Give the address of a scheduler, and a function that starts a worker with some environment, in `folder`."""
+    """Give the address of a scheduler, and a function that starts a worker in `folder` with extra variables."""
     file = folder / "scheduler.json"
     processes: list[Process] = []
 
@@ -44,6 +44,6 @@ def dask_scheduler(folder: Path) -> Iterator[tuple[str, Callable[..., Process]]]
 
 @contextmanager
 def dask_cluster(folder: Path, workers: int) -> Iterator[tuple[str, list[Process]]]:
-    """Give the scheduler's address and the workers, which nobody restarts; each is the leader of a session."""
+    """Give the address of the scheduler, and workers that are not restarted; each leads its own session."""
     with dask_scheduler(folder) as (address, start):
         yield address, [start() for _ in range(workers)]

@@ -1,4 +1,4 @@
-"""Hand-made runs: robots that are driven by given commands."""
+"""Runs of robots under given commands."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""The same small study, 8 participants and 6 videos, as each tool would export it, traps included."""
+"""A small study with 8 participants and 6 videos in the export format of each tool, with typical irregularities."""
 
 import csv
 import io
@@ -16,7 +16,7 @@ QUESTION = "Which emotion best describes the movement of the robots in the video
 
 
 def answer(i: int, j: int) -> str:
-    """What the i-th participant answers to the j-th video: mostly right, else its neighbor."""
+    """Return the answer of participant i to video j: mostly right, otherwise a neighboring label."""
     return EMOTIONS[j if (i + j) % 3 else (j + i + 1) % 6]
 
 
@@ -31,7 +31,7 @@ NUMBERS = {label: str(i) for i, label in enumerate(EMOTIONS, start=1)}
 
 @dataclass
 class Export:
-    """Files, what must be said besides, and what is expected of them."""
+    """Files of an export, the map and options they need, and the expected result."""
 
     files: dict[str, bytes]
     dialect: str
@@ -61,7 +61,7 @@ IN_ORDER = f"videos: [{', '.join(CODES)}]\n"
 
 
 def wide(head, row, titles, spell=lambda label: label):
-    """Header and rows: what the tool writes first, gender, the answers."""
+    """Return header and rows: the first columns of the tool, gender, and the answers."""
     rows = [[*head, "What is your gender?", *titles]]
     rows += [[*row(i, p), GENDER[p], *(spell(ANSWERS[p][code]) for code in CODES)] for i, p in enumerate(PEOPLE)]
     return rows

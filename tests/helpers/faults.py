@@ -1,4 +1,4 @@
-"""The faults that are tried: signals at random moments, full disks, bad encoders, folders and files that misbehave."""
+"""The faults of the chaos suite: signals at random times, full disks, broken encoders, folders and files."""
 
 import os
 import random
@@ -20,14 +20,14 @@ VICTIMS = {"the command": "", "a worker": "spawn_main", "ffmpeg": "libx264"}
 
 
 def at_random(rng: random.Random, number: signal.Signals, victim: str) -> Fault:
-    """Return the fault of a signal to the command, a worker or an ffmpeg, at a random moment of the run."""
+    """Return the fault of a signal to the command, a worker or an ffmpeg at a random time of the run."""
 
     def inject(trial: Trial) -> None:
         process = trial.start()
         time.sleep(rng.random() * trial.seconds)
         hit = False
         if pid := _victim(process, VICTIMS[victim], rng):
-            with suppress(ProcessLookupError):  # it has just ended
+            with suppress(ProcessLookupError):  # the process has just ended
                 os.kill(pid, number)
                 hit = True
         trial.finish(process)
@@ -39,7 +39,7 @@ def at_random(rng: random.Random, number: signal.Signals, victim: str) -> Fault:
 
 
 def _victim(process: "subprocess.Popen[str]", word: str, rng: random.Random) -> int | None:
-    """Return a process to harm; where there is none yet, the first that comes."""
+    """Return a process to signal; wait for the first if there is none yet."""
     while process.poll() is None:
         if not word:
             return process.pid
@@ -54,9 +54,9 @@ def _in_peace(trial: Trial) -> None:
 
 
 def with_ffmpeg(name: str, script: str, cause: str, first: str = "pass") -> Fault:
-    """Return the fault of another program in ffmpeg's place; `$real` is the true one, its output the last argument.
+    """Return the fault of a script in place of ffmpeg; `$real` is the real one, the last argument its output.
 
-    All in one process, which runs `first` before.
+    The command runs in a single process, after the code `first`.
     """
 
     def inject(trial: Trial) -> None:
@@ -79,7 +79,7 @@ def _without_ffmpeg(trial: Trial) -> None:
 
 def _limited(trial: Trial) -> None:
     trial.before = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (8_000, 8_000))
-    trial.environment["COVERAGE_PROCESS_CONFIG"] = ""  # what `make coverage` measures would be too large, too
+    trial.environment["COVERAGE_PROCESS_CONFIG"] = ""  # the data of `make coverage` would exceed the limit, too
     _in_peace(trial)
 
 
@@ -92,12 +92,12 @@ def _read_only(trial: Trial) -> None:
         trial.folder.chmod(0o555)
         _in_peace(trial)
         trial.folder.chmod(0o755)
-    else:  # root writes anywhere but here
+    else:  # even root cannot write here
         _mounted(trial, "ro", _in_peace)
 
 
 def _mounted(trial: Trial, options: str, run) -> None:
-    """Run with a file system of its own as the folder, and copy what is in it to the real one afterwards."""
+    """Run with a separate file system as the folder, and copy its files to the real folder afterward."""
     real, inside = trial.folder, trial.folder.with_name("inside")
     inside.mkdir()
     subprocess.run([shutil.which("mount") or "mount", "-t", "tmpfs", "-o", options, "tmpfs", str(inside)], check=True)
@@ -144,7 +144,7 @@ def _stale_files(trial: Trial) -> None:
 
 
 def spoilt(rng: random.Random, name: str) -> Fault:
-    """Return the fault of a file that changes between two runs: cut, or with other bytes in it."""
+    """Return the fault of a file that changes between two runs: truncated, or with other bytes."""
 
     def inject(trial: Trial) -> None:
         _in_peace(trial)
@@ -165,7 +165,7 @@ _IMPATIENT = "import emovid.video.ffmpeg as ffmpeg; ffmpeg.IDLE_TIMEOUT = 0.3"
 
 
 def lasting() -> list[Fault]:
-    """Return the faults that have no moment."""
+    """Return the faults that last for the whole run."""
     faults = [
         Fault("a limit on the size of files", _limited, "file too large", fails=True),
         with_ffmpeg("a full device", '"$real" "${@:1:$#-1}" /dev/full', "No space left on device"),

@@ -1,4 +1,4 @@
-"""Firefox, driven through Marionette, which it has built in: JSON over a socket, with the commands of WebDriver."""
+"""Firefox, driven through its built-in Marionette: JSON over a socket, with the commands of WebDriver."""
 
 import base64
 import json
@@ -58,11 +58,11 @@ class Firefox:
         return self.command("WebDriver:GetCurrentURL")
 
     def run(self, script: str, *arguments: Any) -> Any:
-        """Return the result of JavaScript, in which `return` gives it and `arguments` are given."""
+        """Run a JavaScript function body with `arguments`, and return its result."""
         return self.command("WebDriver:ExecuteScript", script=script, args=list(arguments))
 
     def click(self, selector: str) -> None:
-        """Click on the first element, once there is one that can be used."""
+        """Click on the first matching element once it is enabled."""
         self.wait(f"const e = document.querySelector({json.dumps(selector)}); return e && !e.disabled")
         found = self.command("WebDriver:FindElement", using="css selector", value=selector)
         self.command("WebDriver:ElementClick", id=found[_ELEMENT])
@@ -72,7 +72,7 @@ class Firefox:
         self.command("WebDriver:ElementSendKeys", id=found[_ELEMENT], text=text)
 
     def wait(self, script: str, seconds: float = 60) -> None:
-        """Wait until JavaScript returns something true."""
+        """Wait until a JavaScript expression is true."""
         end = time.monotonic() + seconds
         while not self._is_true(script):
             if time.monotonic() > end:
@@ -88,7 +88,7 @@ class Firefox:
     def _is_true(self, script: str) -> bool:
         try:
             return bool(self.run(script))
-        except CommandError as error:  # between two pages
+        except CommandError as error:  # during a page load
             if "javascript error" in str(error):
                 raise
             return False
@@ -115,7 +115,7 @@ def path_of_firefox() -> str | None:
 
 @contextmanager
 def firefox() -> Iterator[Firefox]:
-    """Start a Firefox with a profile of its own."""
+    """Start a Firefox with a new profile."""
     path = path_of_firefox()
     assert path is not None
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
@@ -131,7 +131,7 @@ def firefox() -> Iterator[Firefox]:
 
 
 def _port_of(profile: Path) -> int:
-    """Wait for the file in which Firefox writes the port that it took."""
+    """Wait for the file in which Firefox writes its port."""
     for _ in range(600):
         file = profile / "MarionetteActivePort"
         if file.is_file() and (text := file.read_text().strip()):

@@ -1,7 +1,7 @@
-"""Golden images: each figure of the catalog, small, as it was when someone last looked at it and accepted it.
+"""Golden images: a small image of each figure of the catalog, as last accepted by a person.
 
-Coverage is chaotic: a run of it differs from machine to machine in what is drawn, and so its figures could not be
-compared. Its runs are stored beside the images, and figures are drawn from them. All else is made anew each time.
+Coverage is chaotic: its runs, and therefore its figures, differ from machine to machine and could not be
+compared. Its runs are stored with the images, and figures are drawn from them. Everything else is computed each time.
 
 Usage: python -m tests.helpers.golden (make golden)
 """
@@ -24,15 +24,15 @@ from emovid.workflows.figures import measures_of, study_results
 FOLDER = Path(__file__).parents[1] / "golden"
 SMALLER = 4  # times, than 300 dots per inch
 WINDOW = 2  # pixels: a difference is the mean over so many by so many
-TOLERANCE = 48.0  # of 255: rounding, and even a figure that is off by a dot, stay below; a wrong digit does not (76)
+TOLERANCE = 48.0  # of 255: rounding, and even a shift by a dot, stay below; a wrong digit exceeds it (76)
 CUT = 16.0  # s: of testbeds' runs, whose digits stay the same for longer (to 1e-6 m), though they are too long to store
 
 
 class GoldenMaterial(Material):
-    """Material that is the same on every machine.
+    """Inputs of figures that are the same on every machine.
 
     Args:
-        fresh: whether the stored runs are made again.
+        fresh: whether to simulate the stored runs again.
     """
 
     def __init__(self, *, fresh: bool = False) -> None:
@@ -74,12 +74,12 @@ def small(entry: Entry, material: Material) -> np.ndarray:
 
 
 def differences(drawn: np.ndarray, golden: np.ndarray) -> np.ndarray:
-    """Return how much brighter or darker windows of a picture are than those of another (height, width, 3)."""
+    """Return the difference in brightness between windows of two pictures (height, width, 3)."""
     return uniform_filter(drawn.astype(float) - golden.astype(float), (WINDOW, WINDOW, 0), mode="nearest")
 
 
 def difference_picture(drawn: np.ndarray, golden: np.ndarray) -> Image.Image:
-    """Return both pictures and, below, what differs: white where nothing does, darker where more does."""
+    """Return both pictures and, below, their difference: white for none, darker for more."""
     height, width = (max(sides) for sides in zip(drawn.shape[:2], golden.shape[:2], strict=True))
     both = [np.full((height, width, 3), 255, np.uint8) for _ in range(2)]
     for page, picture in zip(both, (drawn, golden), strict=True):
@@ -89,7 +89,7 @@ def difference_picture(drawn: np.ndarray, golden: np.ndarray) -> Image.Image:
 
 
 def make() -> None:
-    """Make all images, and the runs they are drawn from, again."""
+    """Make all images and the stored runs again."""
     FOLDER.mkdir(exist_ok=True)
     for old in [*FOLDER.glob("*.png"), *FOLDER.glob("*.npz")]:
         old.unlink()

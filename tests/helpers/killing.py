@@ -1,4 +1,4 @@
-"""Kill the server at random moments while a crowd takes part, and compare what it acknowledged with what is kept."""
+"""Kill the server at random times while a crowd takes part, and compare acknowledged with stored answers."""
 
 import time
 from collections import Counter
@@ -14,13 +14,13 @@ from tests.helpers.served import serving
 
 
 class Outcome(NamedTuple):
-    """What came of it.
+    """The result of a run.
 
     Attributes:
         kills: how often the server was killed.
-        acknowledged: answers that the server said it has.
-        lost, twice: of these, how many the export lacks or has another answer to; how many it has more than once.
-        failures: replies that no participant should get.
+        acknowledged: answers that the server acknowledged.
+        lost, twice: of these, the numbers missing or different in the export, and stored more than once.
+        failures: unexpected replies to participants.
     """
 
     kills: int
@@ -31,7 +31,7 @@ class Outcome(NamedTuple):
 
 
 def kill_under_load(kit: Path, duration: float, kills: int, people: int, seed: int) -> Outcome:
-    """Let `people` take part again and again until the server was killed `kills` times."""
+    """Run `people` participants repeatedly until the server was killed `kills` times."""
     random, done, everybody, failures = Random(seed), 0, [], []  # noqa: S311 - moments, not secrets
     with serving(kit) as server:
         while done < kills:
@@ -52,7 +52,7 @@ def kill_under_load(kit: Path, duration: float, kills: int, people: int, seed: i
 
 
 def compared(everybody: list, table: pd.DataFrame, kills: int, failures: list[str]) -> Outcome:
-    """Hold what people were told against the rows of the export; who is who shows from the answers themselves."""
+    """Compare acknowledged answers with the rows of the export; the answers themselves identify participants."""
     rows = {
         person: dict(zip(part["position"], part["response"], strict=True))
         for person, part in table.groupby("participant")

@@ -1,4 +1,4 @@
-"""What LimeSurvey makes of a structure file: rows as PHP reads them, and what participants see."""
+"""A structure file as LimeSurvey reads it: rows as parsed by PHP, and texts as participants see them."""
 
 import csv
 import html
@@ -10,8 +10,8 @@ from html.parser import HTMLParser
 def rows_of(text: str) -> list[dict[str, str]]:
     r"""Return the rows of a structure file as LimeSurvey imports them.
 
-    In quotes, PHP's fgetcsv takes \" for two characters rather than the end, and the importer removes quotes around a
-    cell once more, for files from Excel. Both are done here by hand, to compare with Python's reading.
+    In quotes, fgetcsv of PHP reads \" as two characters rather than the end, and the importer removes quotes around a
+    cell once more, for files from Excel. Both are done here by hand, to compare with the csv module of Python.
     """
     lines = [_cells(line) for line in re.sub(r"\r\n?", "\n", text).split("\n") if line]
     header = [re.sub(r"^\W+", "", lines[0][0]), *lines[0][1:]]
@@ -70,7 +70,7 @@ class _Seen(HTMLParser):
 
 
 def seen(text: str) -> list[str]:
-    """Return the paragraphs that a browser shows."""
+    """Return the paragraphs displayed by a browser."""
     page = _Seen()
     page.feed(text)
     page.close()

@@ -1,4 +1,4 @@
-"""How much memory long videos and large swarms take: frames pass through, they are not kept."""
+"""Memory use of long videos and large swarms: frames are streamed, not kept."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""A reader of MP4 boxes and of frames, for tests: what a file says of itself, and what is in it."""
+"""A reader of MP4 boxes and frames: metadata and content of a file."""
 
 import struct
 import subprocess
@@ -46,7 +46,7 @@ def only(path: Path, kind: str) -> Box:
 
 
 def table(box: Box, form: str) -> list[tuple[int, ...]]:
-    """Return the rows of a full box that is a count and a table."""
+    """Return the rows of a full box that consists of a count and a table."""
     count = struct.unpack_from(">I", box.body, 4)[0]
     return [struct.unpack_from(form, box.body, 8 + i * struct.calcsize(form)) for i in range(count)]
 
@@ -68,7 +68,7 @@ def decoded(path: Path, width: int, height: int) -> Iterator[np.ndarray]:
 
 
 def stream_line(path: Path) -> str:
-    """Return what ffmpeg says of the only stream."""
+    """Return the line of ffmpeg about the only stream."""
     said = subprocess.run(
         [ffmpeg.executable(), "-hide_banner", "-i", str(path)], capture_output=True, text=True, check=False
     ).stderr

@@ -1,4 +1,4 @@
-"""Mutants of the six scenes: each breaks what the paper says of a key in words, so the gate has to reject it."""
+"""Mutants of the six scenes: each contradicts a description in the paper, so that the claims must reject it."""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -15,9 +15,9 @@ class Mutant(NamedTuple):
     """A scene with other values of a few keys.
 
     Attributes:
-        emotion: that the scene no longer expresses.
+        emotion: the emotion that the scene no longer expresses.
         keys: with their values.
-        words: of the paper, which they break.
+        words: the words of the paper that they contradict.
     """
 
     emotion: str

@@ -1,4 +1,4 @@
-"""Commands of a documentation page with the output that the page shows, and following them."""
+"""Commands of a documentation page with the output shown there, and a runner for them."""
 
 import os
 import re
@@ -32,7 +32,7 @@ _BLOCKS = re.compile(
 
 @dataclass(frozen=True)
 class Command:
-    """A command line; what is printed is None where the page does not say."""
+    """A command line, with its output, or None if the page shows no output."""
 
     line: str
     printed: str | None = None
@@ -40,7 +40,7 @@ class Command:
 
 @dataclass(frozen=True)
 class Keys:
-    """Keys to write into a YAML file, over those that are there."""
+    """Keys to write into a YAML file, replacing existing ones."""
 
     file: str
     text: str
@@ -52,18 +52,18 @@ def pages() -> list[Path]:
 
 
 def mentioned(page: Path) -> list[str]:
-    """Return the commands that a page names within its text or a table."""
+    """Return the commands named in the text or the tables of a page."""
     return re.findall(r"`(emovid [^`]*)`", page.read_text().replace("\n", " "))
 
 
 def in_tables(page: Path) -> list[str]:
-    """Return the commands in the cells of a page's tables."""
+    """Return the commands in table cells of a page."""
     rows = re.findall(r"^\|.*\|$", page.read_text(), re.MULTILINE)
     return [command for row in rows for command in re.findall(r"`(emovid [^`]*)`", row)]
 
 
 def steps(page: Path) -> Iterator[Command | Keys]:
-    """Yield what a reader of the page does, in order."""
+    """Yield the steps of a reader of the page, in order."""
     for block in _BLOCKS.finditer(page.read_text()):
         if block["indented"]:
             for line in block["indented"].splitlines():
@@ -77,7 +77,7 @@ def steps(page: Path) -> Iterator[Command | Keys]:
 
 
 def agrees(said: str, printed: str) -> bool:
-    """Return whether a command said what a page prints, where `...` stands for anything, as may columns of spaces."""
+    """Return whether output matches the page, where `...` matches anything and column spacing may differ."""
     parts = [re.escape(" ".join(part.split())) for part in printed.split("...")]
     return re.fullmatch(r".*".join(parts), " ".join(said.split()), re.DOTALL) is not None
 
@@ -119,7 +119,7 @@ EXAMPLES = {
 
 
 def small(source: Path) -> str:
-    """Return a scene's or a study's file with a video that is made at once."""
+    """Return a scene or study file with a video that renders quickly."""
     text = source.read_text()
     for large, little in SMALL.items():
         text = text.replace(large, little)
@@ -127,8 +127,8 @@ def small(source: Path) -> str:
 
 
 def given(page: Path, folder: Path) -> dict[str, str]:
-    """Put into the folder what a reader of the page has, and return what stands in a page for something of theirs."""
-    if page.stem != "survey":  # whose own answers get this name
+    """Put the files of a reader of the page into the folder, and return replacements for placeholders of the page."""
+    if page.stem != "survey":  # the answers of the reader get this name
         (folder / "responses.csv").write_bytes(REFERENCE.read_bytes())
     if page.parent.name == "analyse":
         export = EXAMPLES[page.stem]()
@@ -152,7 +152,7 @@ def given(page: Path, folder: Path) -> dict[str, str]:
 
 
 def code_of_a_participant(folder: Path) -> str:
-    """Build a kit, let three take part, and return the code of one."""
+    """Build a kit, let three participants take part, and return the code of one."""
     with serving(small_kit(folder)) as server:
         crowd = Crowd(server.address, 3, duration=1.0)
         crowd.start()
@@ -162,7 +162,7 @@ def code_of_a_participant(folder: Path) -> str:
 
 
 def run(line: str, folder: Path) -> "subprocess.CompletedProcess[str]":
-    """Run a command in this process, or in its own where only a signal ends it."""
+    """Run a command in this process, or in a separate one if only a signal ends it."""
     command = shlex.split(line)
     assert command[0] == "emovid", line
     if command[1:3] == ["study", "serve"]:
@@ -182,7 +182,7 @@ def called(command: list[str], folder: Path) -> "subprocess.CompletedProcess[str
 
 
 def started_and_stopped(command: list[str], folder: Path) -> "subprocess.CompletedProcess[str]":
-    """Wait for the first line of a command that only a signal ends, and end it: not by SIGINT, which may be ignored."""
+    """Wait for the first line of a command, and stop it with SIGTERM, since SIGINT may be ignored."""
     with subprocess.Popen(
         command, cwd=folder, env=ENV, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
     ) as it:
@@ -201,7 +201,7 @@ def write(keys: Keys, folder: Path) -> None:
 
 
 def merged(old: dict[str, Any], new: dict[str, Any]) -> dict[str, Any]:
-    """Return keys over keys. A group that says what kind it is replaces another kind, as an editor's hand would."""
+    """Return keys merged over keys. A group of another kind replaces the group."""
     result = dict(old)
     for key, value in new.items():
         deeper = isinstance(value, dict) and isinstance(old.get(key), dict) and "kind" not in value
@@ -210,7 +210,7 @@ def merged(old: dict[str, Any], new: dict[str, Any]) -> dict[str, Any]:
 
 
 def follow(page: Path, folder: Path) -> None:
-    """Do what a page says, in a folder with what its reader has."""
+    """Follow the steps of a page, in a folder with the files of its reader."""
     words = given(page, folder)
     for step in steps(page):
         if isinstance(step, Keys):
@@ -218,7 +218,7 @@ def follow(page: Path, folder: Path) -> None:
             continue
         done = run(re.sub("|".join(map(re.escape, words)) or "$^", lambda word: words[word[0]], step.line), folder)
         said = done.stdout + done.stderr
-        if step.line.startswith("emovid study new "):  # of which the reader makes their own
+        if step.line.startswith("emovid study new "):  # which the reader copies and edits
             study = folder / step.line.split()[3] / "study.yaml"
             study.write_text(small(study).replace("duration: 15", "duration: 3"))
         if step.printed is None:

@@ -1,4 +1,4 @@
-"""A participant of the survey at a browser: what is done is kept, to be compared with what was recorded."""
+"""A participant of the survey in a browser, who keeps a log to compare with the recorded data."""
 
 import re
 from random import Random
@@ -9,11 +9,11 @@ DESKTOP = {"viewport": {"width": 1280, "height": 800}}
 
 
 class Participant:
-    """One person, at one browser.
+    """One person with one browser.
 
     Attributes:
-        page: what is shown.
-        gender: as told.
+        page: the current page.
+        gender: as answered.
         first, last: first and last answer by video code.
         errors: of the page.
     """
@@ -29,7 +29,7 @@ class Participant:
         self.open()
 
     def open(self) -> None:
-        """Open the survey in a new tab; a browser that has a participant goes on."""
+        """Open the survey in a new tab; a browser with a participant continues."""
         self.page = self._context.new_page()
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.page.goto(f"{self._address}/")
@@ -58,7 +58,7 @@ class Participant:
         return found[1]
 
     def choose(self) -> None:
-        """Answer at random, and wait for the page that acknowledges it."""
+        """Answer at random, and wait for the acknowledgment."""
         code, here = self.code, self.page.url
         chosen = self.page.get_by_role("radio").nth(self._random.randrange(6))
         chosen.check()
@@ -72,7 +72,7 @@ class Participant:
         self.page.wait_for_url(f"**/video/{place}")
 
     def reload(self) -> None:
-        """Lose what was played so far."""
+        """Reload the page, which loses the played time."""
         self.page.reload()
         self.play()
 
@@ -81,7 +81,7 @@ class Participant:
         self.watched()
 
     def crash(self) -> None:
-        """Lose the tab, and open the survey again."""
+        """Close the tab without warning, and open the survey again."""
         self.page.close()
         self.open()
         self.play()

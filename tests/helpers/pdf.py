@@ -1,13 +1,13 @@
-"""Looking into PDF files, as far as our tests need."""
+"""A minimal reader of PDF files."""
 
 import re
 import zlib
 
 
 def objects(pdf: bytes) -> bytes:
-    """Return a PDF with its compressed streams spelled out after it."""
+    """Return a PDF with its decompressed streams appended."""
     packed = re.findall(rb"/FlateDecode.*?stream\r?\n(.*?)\r?\nendstream", pdf, re.DOTALL)
-    # Not zlib.decompress: a stream that happens to end in a carriage return has lost that here.
+    # Not zlib.decompress: the pattern above removes a final carriage return of a stream.
     return pdf + b"".join(zlib.decompressobj().decompress(data) for data in packed)
 
 
@@ -23,7 +23,7 @@ def font_sizes(pdf: bytes) -> set[float]:
 
 
 def all_fonts_are_embedded_truetype(pdf: bytes) -> bool:
-    """Say whether every font is TrueType and comes with its outlines."""
+    """Return whether every font is TrueType and embedded."""
     inside = objects(pdf)
     kinds = set(re.findall(rb"/Subtype /(Type[013]|TrueType|CIDFontType\d)\b", inside))
     described = len(re.findall(rb"/Type /FontDescriptor", inside))

@@ -1,4 +1,4 @@
-"""Pinholes and where they look, for properties."""
+"""Strategies for pinhole cameras."""
 
 import numpy as np
 from hypothesis import strategies as st

@@ -27,7 +27,7 @@ def area(corners: np.ndarray) -> float:
 
 
 def shoelace(corners: np.ndarray) -> tuple[float, np.ndarray]:
-    """Return area and centroid of a polygon, corners counter-clockwise, by the textbook's formula."""
+    """Return area and centroid of a polygon, corners counter-clockwise, by the textbook formula."""
     x, y = corners.T
     cross = x * np.roll(y, -1) - np.roll(x, -1) * y
     doubled = cross.sum()
@@ -39,7 +39,7 @@ def centroid_by_dblquad(corners: np.ndarray, phi: Phi) -> tuple[float, np.ndarra
     """Return mass and centroid of a density over a convex polygon, slab by slab between its corners."""
     corners = corners[np.sort(np.unique(corners, axis=0, return_index=True)[1])]
     xs = np.unique(corners[:, 0])
-    xs = xs[np.append(True, np.diff(xs) > 1e-12)]  # corners that rounding alone sets apart make no slab
+    xs = xs[np.append(True, np.diff(xs) > 1e-12)]  # corners that differ only by rounding give no slab
     closed = np.concatenate([corners, corners[:1]])
 
     def bounds(x: float) -> list[float]:

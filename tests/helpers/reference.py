@@ -1,4 +1,4 @@
-"""Slow and obvious: what the fast routines of the video room must equal."""
+"""Slow and simple references for the fast routines of the video package."""
 
 import numpy as np
 
@@ -22,7 +22,7 @@ def exact_planes(picture: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarra
 
 def whole_frame(picture: np.ndarray) -> np.ndarray:
     """Return the planes of a picture, (3 / 2 width height,), converted in one piece with whole numbers."""
-    # In 65536ths of a level: the numbers that the fast routine documents, a line each.
+    # In 65536ths of a level: the coefficients documented in the fast routine, one row each.
     r, g, b = np.moveaxis(picture[..., :3].astype(np.int64), -1, 0)
     y = (11966 * r + 40254 * g + 4064 * b + 16 * 65536 + 32768) // 65536
     r, g, b = (c[0::2, 0::2] + c[0::2, 1::2] + c[1::2, 0::2] + c[1::2, 1::2] for c in (r, g, b))
@@ -54,7 +54,7 @@ def hits_of_rays(
         tilt: below the horizontal [rad].
         focal: length [pixels].
         size: width and height of the picture [pixels].
-        prisms: corners (M, 2) [m] of convex outlines, counter-clockwise, that stand on the floor.
+        prisms: corners (M, 2) [m] of convex outlines, counter-clockwise, standing on the floor.
         top: how high they are [m].
 
     Returns:

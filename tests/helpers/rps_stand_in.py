@@ -1,7 +1,7 @@
-"""A stand-in of the Robotarium's Python simulators, of its two interfaces, without a figure or a wall clock.
+"""A stand-in for both Python simulators of the Robotarium, without a figure or real time.
 
-Written from what they do (github.com/robotarium/robotarium_python_simulator, 2024-10 for 1.x and 2026-04 for 2.x): the
-order of calls is asserted, each wheel is cut alone, the step is Euler's, and errors are counted before it.
+From their behavior (github.com/robotarium/robotarium_python_simulator, 2024-10 for 1.x and 2026-04 for 2.x): the
+order of calls is asserted, each wheel is limited separately, the step is an Euler step, and errors are counted first.
 """
 
 import sys
@@ -42,7 +42,7 @@ class _Axes:
 
 
 class StandIn:
-    """What both interfaces share. `made` holds the last one that a script has made."""
+    """The common part of both interfaces. `made` is the instance that a script created last."""
 
     made: "StandIn"
     files: dict[str, str]
@@ -90,7 +90,7 @@ class StandIn:
         )
 
     def run_of(self, scene: Scene) -> Trajectory:
-        """Return what was seen and done in the last steps, as many as the scene has."""
+        """Return the poses and commands of the last steps, as many as the scene has."""
         steps = round(scene.duration / STEP)
         assert len(self.seen) > steps
         poses = np.array([*self.seen[-steps:], self._state]).transpose(0, 2, 1)

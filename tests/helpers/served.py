@@ -1,4 +1,4 @@
-"""The survey as it is run: the real command, on a port of its own."""
+"""The survey, served by the real command on a free port."""
 
 import os
 import re
@@ -12,7 +12,7 @@ COMMAND = (sys.executable, "-m", "emovid", "study", "serve")
 
 
 class Server:
-    """A server that can be killed and started again, at the same address.
+    """A server that can be killed and restarted at the same address.
 
     Attributes:
         address: as "http://127.0.0.1:8000".
@@ -24,7 +24,7 @@ class Server:
         self.start()
 
     def start(self) -> None:
-        """Start it, and return once it takes connections."""
+        """Start the server, and return once it accepts connections."""
         command = [*COMMAND, str(self._kit), "--port", self._port, "--quiet", *self._options]
         self._process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=os.environ | {"NO_COLOR": "1"})
         assert self._process.stderr
@@ -34,13 +34,13 @@ class Server:
         self.address, self._port = found[1], found[2]
 
     def kill(self) -> None:
-        """End it as a power cut would."""
+        """Kill the server, like a power cut."""
         self._process.kill()
         self._process.wait()
         self._process.stderr.close()
 
     def stop(self) -> int:
-        """End it as the experimenter does, and return the exit code."""
+        """Stop the server like an experimenter, and return the exit code."""
         self._process.terminate()
         code = self._process.wait()
         self._process.stderr.close()

@@ -1,4 +1,4 @@
-"""Convex stages of any shape, for properties."""
+"""Strategies for convex stages of any shape."""
 
 import numpy as np
 from hypothesis import strategies as st
@@ -7,7 +7,7 @@ from emovid.scene.stage import Polygon
 
 HEXAGON = [(0.6 * np.cos(angle), 0.6 * np.sin(angle)) for angle in np.arange(6) * np.pi / 3]
 TRIANGLE = [(-0.6, -0.4), (0.6, -0.4), (0.0, 0.6)]
-THIN = [(2.0, 1.0), (3.0, 1.8), (2.94, 1.88), (1.95, 1.1)]  # about 0.1 m across, aslant, far from the origin
+THIN = [(2.0, 1.0), (3.0, 1.8), (2.94, 1.88), (1.95, 1.1)]  # about 0.1 m across, slanted, far from the origin
 
 
 def keys_of(corners: list[tuple[float, float]]) -> dict:

@@ -1,4 +1,4 @@
-"""Sweeps on a Dask cluster that loses workers, against the same sweep made in peace."""
+"""Sweeps on a Dask cluster that loses workers, compared with undisturbed sweeps."""
 
 import os
 import random
@@ -23,7 +23,7 @@ MANY = (
 
 
 class Made(NamedTuple):
-    """How a sweep was made, how many videos it has, and digests of its table and of all its files."""
+    """A finished sweep: its way of running, its number of videos, and digests of its table and files."""
 
     how: str
     videos: int
@@ -37,12 +37,12 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 def sweep(file: Path, target: Path, *arguments: str) -> None:
-    """Make a sweep in peace."""
+    """Make a sweep without disturbance."""
     subprocess.run([*EMOVID, "sweep", str(file), "-o", str(target), "-q", *arguments], check=True)
 
 
 class DaskTrials:
-    """A small sweep, again and again, on workers of which one is sent a signal at a random moment."""
+    """Repeated small sweeps, on workers of which one gets a signal at a random time."""
 
     def __init__(self, folder: Path) -> None:
         self.file = folder / "few.yaml"
@@ -55,7 +55,7 @@ class DaskTrials:
             self.seconds = time.monotonic() - started
 
     def violations(self, number: signal.Signals, rng: random.Random) -> list[str]:
-        """Try one moment, and another if that was too late; return what was violated."""
+        """Try a signal at one time, and at another if that was too late; return violations."""
         while (found := self._violations(number, rng)) is None:
             pass
         return found
@@ -82,7 +82,7 @@ class DaskTrials:
 
 
 def five_hundred(folder: Path) -> tuple[list[Made], list[str]]:
-    """Make 500 videos here, in shards, and on two Dask workers of which one is killed midway; say what is violated."""
+    """Make 500 videos here, in shards, and on two Dask workers of which one is killed midway; return violations."""
     file = folder / "many.yaml"
     file.write_text(MANY)
     sweep(file, folder / "here", "--jobs", "2")

@@ -33,7 +33,7 @@ thanks: {text: Thank you.}
 
 
 class Silent:
-    """A reporter that keeps what it hears."""
+    """A reporter that keeps its reports."""
 
     def __init__(self) -> None:
         self.made: list[str] = []

@@ -1,7 +1,7 @@
-"""One fault, injected into the real command while it makes videos, and all that must hold afterwards.
+"""One fault, injected into the real command during rendering, and the required state afterward.
 
-Whatever happens, each video is absent, the old one, or complete; the exit code is 0 only if all are complete, and what
-is said names the file, the cause and what to do; no process and no temporary file is left (after SIGKILL of the command
+After every fault, each video is absent, the old one, or complete; the exit code is 0 only if all are complete; the
+message names the file, the cause and the remedy; no process and no temporary file is left (after SIGKILL of the command
 itself, by the next run); and the next run makes exactly what is missing.
 """
 
@@ -28,7 +28,7 @@ SMALL = ["--size", "320x240", "--fps", "15", "--set", "duration=2", "--jobs", "2
 OLD = b"the old one"
 REMEDIES = ("run again to make what is missing", "free some space")
 INTERRUPTED = (130, 143, -signal.SIGTERM, -signal.SIGKILL)
-# Who starts this in the background may have made SIGINT ignored, and processes inherit that.
+# A run in the background may ignore SIGINT, and child processes inherit that.
 START = (
     "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); print('ready', flush=True);"
     "{first}; from emovid.__main__ import run; run()"
@@ -37,17 +37,17 @@ START = (
 
 @dataclass
 class Trial:
-    """A run of the command in a folder of its own, and what it said.
+    """A run of the command in a separate folder, and its output.
 
     Attributes:
-        folder: where videos go; one of an older kind is there before.
-        reference: the same videos, made in peace.
-        seconds: how long it takes in peace.
-        environment: of the command, beside the usual.
+        folder: of the videos; it contains one older video at the start.
+        reference: the same videos, rendered without a fault.
+        seconds: duration of a run without a fault.
+        environment: additional environment variables of the command.
         command: what runs; by default all six videos in two processes.
         first: Python that the command runs first.
-        before: is called in its process before all that.
-        prefix: program that starts the command, such as one that gives it a namespace of its own.
+        before: called in its process first.
+        prefix: program that starts the command, for example in a separate namespace.
     """
 
     folder: Path
@@ -63,7 +63,7 @@ class Trial:
     sessions: list[int] = field(default_factory=list)
 
     def start(self) -> "subprocess.Popen[str]":
-        """Start the command, and return once it is no longer Python's own start that would be harmed."""
+        """Start the command, and return once Python itself has started."""
         command = self.command or ["render", "--all", "-o", str(self.folder), *SMALL, "--force"]
         process = subprocess.Popen(
             [*self.prefix, sys.executable, "-c", START.format(first=self.first), *command],
@@ -80,7 +80,7 @@ class Trial:
         return process
 
     def finish(self, process: "subprocess.Popen[str]") -> None:
-        """Wait for the command's end; keep the worst exit code, and what was said with it."""
+        """Wait for the end of the command; keep the worst exit code with its output."""
         try:
             said = process.communicate(timeout=180)[1]
         except subprocess.TimeoutExpired:
@@ -92,14 +92,14 @@ class Trial:
 
 @dataclass(frozen=True)
 class Fault:
-    """Something that goes wrong.
+    """A fault.
 
     Attributes:
         name: in the table.
-        inject: runs the command in a trial and harms it.
-        cause: what the command must say of it, in the lines that name what has failed.
-        fails: whether it must; else it may.
-        killed: whether the command itself may die without a chance to tidy up.
+        inject: runs the command in a trial with the fault.
+        cause: the words that its messages must contain.
+        fails: whether the command must fail; otherwise it may.
+        killed: whether the command itself may be killed without cleaning up.
     """
 
     name: str
@@ -110,11 +110,11 @@ class Fault:
 
 
 class TooLateError(Exception):
-    """Raised when a fault found nothing left to harm."""
+    """The command ended before the fault was injected."""
 
 
 def try_fault(fault: Fault, reference: Path, seconds: float) -> list[str]:
-    """Inject a fault into a run of its own, again if it came too late; return what was violated."""
+    """Inject a fault into a separate run, again if it came too late; return violations."""
     while True:
         with TemporaryDirectory(prefix="emovid-chaos-") as place, suppress(TooLateError):
             trial = Trial(Path(place) / "videos", reference, seconds)
@@ -126,7 +126,7 @@ def try_fault(fault: Fault, reference: Path, seconds: float) -> list[str]:
 
 @cache
 def reference_run(folder: Path) -> float:
-    """Make the six videos in peace, and return how long that takes [s]."""
+    """Render the six videos without a fault, and return the duration [s]."""
     started = time.monotonic()
     subprocess.run([sys.executable, "-m", "emovid", "render", "--all", "-q", "-o", str(folder), *SMALL], check=True)
     return time.monotonic() - started
@@ -150,7 +150,7 @@ def hidden(folder: Path) -> list[str]:
 
 
 def left_of(sessions: list[int]) -> list[str]:
-    """Return the command lines of the processes that are left of sessions, after some time to end."""
+    """Return the command lines of processes left in sessions, after some time to end."""
     deadline = time.monotonic() + 20
     while left := [line for _, session, line in _processes().values() if session in sessions]:
         if time.monotonic() > deadline:
@@ -167,7 +167,7 @@ def _violations(trial: Trial, fault: Fault) -> list[str]:
         for name, data in there.items()
         if name not in complete and data != OLD
     ]
-    # With all complete, it may have been interrupted between the last video and its end.
+    # With all videos complete, the command may have been interrupted after the last one.
     allowed = (0, *INTERRUPTED) if len(complete) == len(NAMES) and not fault.fails else (1, *INTERRUPTED)
     if trial.code not in allowed:
         found.append(f"exit code {trial.code} with {len(complete)} of {len(NAMES)} complete: {trial.said[-500:]}")
@@ -183,7 +183,7 @@ def _violations(trial: Trial, fault: Fault) -> list[str]:
 
 
 def _unsaid(trial: Trial, fault: Fault) -> list[str]:
-    """Return what a run that failed does not say: which files, why, and what to do."""
+    """Return what the messages of a failed run lack: files, reasons, or remedies."""
     lines = [line for line in trial.said.splitlines() if not line.startswith("[")]
     failures = [line for line in lines if f"{trial.folder}/" in line and "another worker tries again" not in line]
     if not failures or not all(fault.cause.lower() in line.lower() for line in failures):
@@ -199,7 +199,7 @@ def _violations_of_next_run(trial: Trial) -> list[str]:
         for name in NAMES
         if name in known and (trial.folder / name).is_file() and file_digest(trial.folder / name) == known[name].sha256
     }
-    for name in NAMES:  # the user's own file, which only --force replaces
+    for name in NAMES:  # a file of the user, which only --force replaces
         if (trial.folder / name).is_file() and (trial.folder / name).read_bytes() == OLD:
             (trial.folder / name).unlink()
     with redirect_stderr(StringIO()) as stderr:
@@ -227,7 +227,7 @@ def _processes() -> dict[int, tuple[int, int, str]]:
                 state, parent, _, session = (entry / "stat").read_text().rpartition(")")[2].split()[:4]
                 line = (entry / "cmdline").read_text().replace("\0", " ")
             except (OSError, ValueError):
-                continue  # it has ended meanwhile
+                continue  # the process has ended in the meantime
             if state != "Z":
                 found[int(entry.name)] = (int(parent), int(session), line)
     return found

@@ -11,7 +11,7 @@ from werkzeug.test import TestResponse
 
 @dataclass
 class Clock:
-    """A clock that goes when it is told to."""
+    """A clock that advances on request."""
 
     now: float = 1_800_000_000.0
 
@@ -31,7 +31,7 @@ class Visitor:
 
     @property
     def token(self) -> str:
-        """The token of this browser's forms, which stays the same as long as the cookie does."""
+        """The token of this browser's forms, which is valid as long as the cookie."""
         if self.client.get_cookie("emovid") is None or self.cookie not in self.tokens:
             found = re.search(r'name="form-token" value="([0-9a-f]+)"', self.get("/new").text)
             assert found is not None
@@ -51,7 +51,7 @@ class Visitor:
         return self.client.post(path, json=facts, headers={"X-Form-Token": self.token})
 
     def begin(self) -> "Visitor":
-        """Agree, tell, read."""
+        """Give consent, answer the questions and read the instructions."""
         assert self.post("/consent", consent="agree").location == "/about"
         assert self.post("/about", gender="Woman").location == "/instructions"
         assert self.post("/instructions").location == "/video/1"
@@ -78,6 +78,6 @@ class Visitor:
         return self
 
     def chosen(self, place: int) -> str:
-        """Return the answer that a video's page shows as given."""
+        """Return the answer preselected on the page of a video."""
         found = re.findall(r'name="response" value="([^"]*)" checked', self.get(f"/video/{place}").text)
         return html.unescape(found[0]) if found else ""

@@ -189,7 +189,7 @@ def test_robots_are_listed(capsys) -> None:
     assert main(["scene", "robots"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == shipped_robots()
-    assert "0.2 m/s a wheel" in next(line for line in lines if line.startswith("gritsbot_x"))
+    assert "0.2 m/s per wheel" in next(line for line in lines if line.startswith("gritsbot_x"))
     assert main(["scene", "robots", "--json"]) == 0
     rows = {row["name"]: row for row in json.loads(capsys.readouterr().out)}
     assert rows["turtlebot3_burger"]["wheels"]["base"] == 0.16
