@@ -1,4 +1,4 @@
-"""Emotions expressed by a robot swarm: scenes, their simulation and videos, and studies of what people see in them."""
+"""Emotions expressed by a robot swarm: scenes, their simulation and videos, and studies of how people perceive them."""
 
 import time
 from importlib import import_module

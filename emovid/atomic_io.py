@@ -183,7 +183,7 @@ def not_written(target: Path, error: OSError, how: str = "written") -> EmovidErr
 
 
 def _part_beside(target: Path) -> Path:
-    """Return the path to write to in place of `target`, after clearing what killed processes left there."""
+    """Return the path to write to in place of `target`, after removing leftovers of killed processes."""
     stem = f".{target.name}."
     _clear(target.parent.glob(f"{glob.escape(stem)}*{_SUFFIX}"))
     part = target.with_name(f"{stem}{owner()}{_SUFFIX}")
@@ -198,7 +198,7 @@ def _part_beside(target: Path) -> Path:
 
 
 def _followed(target: Path) -> Path:
-    """Return the file or folder that a link points to; a path that is no link unchanged."""
+    """Return the file or folder that a link points to; any other path unchanged."""
     return target.resolve() if target.is_symlink() else target
 
 

@@ -1,4 +1,4 @@
-"""Cells of the CSV files we write: what a spreadsheet would run is made text."""
+"""Cells of written CSV files: formulas are escaped, so that spreadsheets show them as text."""
 
 import csv
 import io
@@ -29,7 +29,7 @@ def _safe_column(cells: Iterable[object]) -> list[str]:
 
 
 def safe(cell: object) -> str:
-    """Return a cell's text, with an apostrophe before what a spreadsheet would take for a formula."""
+    """Return a cell's text, with an apostrophe before formulas."""
     text = str(cell)
     return f"'{text}" if text.startswith(_FORMULA) and not _is_number(text) else text
 

@@ -13,7 +13,7 @@ from emovid.batch.versions import RecordKind, differences, versions
 from emovid.errors import EmovidError, InputError
 
 _PATIENCE = 10  # seconds that a scheduler may take to answer
-_PACE = 1.0  # seconds between two looks for new workers
+_PACE = 1.0  # seconds between two checks for new workers
 _REMINDER = 60.0  # seconds between two lines while there is no worker
 _PER_THREAD = 2  # items at a worker for each of its threads, so that it never waits for the next one
 

@@ -108,7 +108,7 @@ class Record:
 
     @staticmethod
     def from_json(values: Any) -> "Record | None":
-        """Return the record of plain values, or None if they are no record."""
+        """Return the record of plain values, or None if they are not a record."""
         try:
             return _RECORD.validate_python(values)
         except ValidationError:

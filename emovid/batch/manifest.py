@@ -29,7 +29,7 @@ from emovid.batch.versions import RecordKind
 from emovid.errors import EmovidError, InputError
 
 NAME, PLAN = "manifest.json", "plan.json"
-_PACE = 0.5  # seconds between two looks for the journals of other runs
+_PACE = 0.5  # seconds between two checks for the journals of other runs
 _HEARTBEAT, _LIFETIME = 5.0, 60.0  # seconds between two touches of a journal; without one it is of a dead run
 _JOURNAL, _LOCK = f".{NAME}.*.journal", f".{NAME}.lock"
 SECTIONS: Mapping[RecordKind, str] = {
@@ -153,7 +153,7 @@ class Journal:
         try:
             merge_journals(self.folder, self._path)
         except EmovidError:
-            if error is None:  # otherwise the first error says more; the next run merges the journal
+            if error is None:  # otherwise the first error is more informative; the next run merges the journal
                 raise
 
     def _write(self, entry: Any) -> None:

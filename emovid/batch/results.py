@@ -97,7 +97,7 @@ def is_parquet_of_sweep(data: bytes) -> bool:
 
 
 def same_parquet(one: bytes, other: bytes) -> bool:
-    """Return whether two Parquet files hold equal tables, whatever version of pyarrow wrote them."""
+    """Return whether two Parquet files hold equal tables, for all versions of pyarrow that wrote them."""
     pa, parquet = import_module("pyarrow"), import_module("pyarrow.parquet")
     try:
         return bool(parquet.read_table(io.BytesIO(one)).equals(parquet.read_table(io.BytesIO(other))))

@@ -16,7 +16,7 @@ Item = TypeVar("Item")
 OnStep = Callable[[int, int], None]  # receives the steps done and their total
 OnProgress = Callable[[Any, int, int], None]  # receives an item, its steps done and their total
 OnDeath = Callable[[Any, int], None]  # receives an item whose worker died, and the number of the attempt
-_PACE = 0.2  # seconds between two looks for new workers and new items
+_PACE = 0.2  # seconds between two checks for new workers and new items
 
 
 class Pool(Protocol):

@@ -45,7 +45,7 @@ def versions(only: RecordKind) -> dict[str, str]:
     `code` is a digest of our own modules, `arithmetic` one of results that depend on the processor.
 
     Raises:
-        EmovidError: if a module was edited near its import, so that nobody knows which code runs.
+        EmovidError: if a module was edited near its import, so that the running code is unknown.
     """
     return {
         **{name: _package_version(name) for name in ("emovid", *_PACKAGES[only])},

@@ -13,7 +13,7 @@ def doctor(as_json: Annotated[bool, typer.Option("--json", help="Print the resul
     """Check this installation, and suggest a remedy for each problem.
 
     Checks packages, scenes, encoding in each format, fonts, folders, browser and extras; exit with 1 if a required
-    check fails. A missing extra is no failure.
+    check fails. A missing extra is not a failure.
 
     Examples: emovid doctor · emovid doctor --json
     """

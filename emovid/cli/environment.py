@@ -9,7 +9,7 @@ from typing import TextIO
 
 
 class _PatientStream(TextIOWrapper):
-    """A stream that drops its text if nobody reads it any more, so that work goes on without its messages."""
+    """A stream that drops its text if its reader is gone, so that work continues without messages."""
 
     def write(self, text: str) -> int:
         with suppress(OSError):

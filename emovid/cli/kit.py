@@ -90,7 +90,7 @@ def update(
 ) -> None:
     """Correct texts of a finished kit, as a new version.
 
-    Videos, orders, key and answers stay. Changes of anything else than texts are refused.
+    Videos, orders, key and answers stay. Other changes are refused.
 
     Examples: emovid study update kit/ my-study/
     """

@@ -100,7 +100,7 @@ class ListedCommand(TyperCommand):
 
     def load(self) -> TyperCommand:
         """Return the command itself."""
-        # On a slow machine matplotlib tells that it reads the fonts, even under --quiet. Help needs no logging.
+        # On a slow machine, matplotlib logs that it reads the fonts, even with --quiet. Help needs no logging.
         logging = import_module("logging")
         logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)
         module, _, function = self.entry.source.partition(":")
@@ -191,7 +191,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _is_denied(error: BaseException | None) -> bool:
-    """Return whether an error comes from missing permissions, whatever was to be read or written."""
+    """Return whether an error comes from missing permissions, for reading or writing."""
     while error and not isinstance(error, PermissionError):
         error = error.__context__
     return error is not None

@@ -1,4 +1,4 @@
-"""Options that several commands share, and the scenes, settings and files they stand for."""
+"""Options that several commands share, and the scenes, settings and files they select."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -159,7 +159,7 @@ def on_platform(source: str, platform: str | None) -> str:
         return source
     checked_platform(platform)
     if source not in EMOTIONS:
-        raise InputError(f"--platform {platform}: {source} is no emotion; expected one of {', '.join(EMOTIONS)}")
+        raise InputError(f"--platform {platform}: {source} is not an emotion; expected one of {', '.join(EMOTIONS)}")
     return f"{platform}/{source}"
 
 

@@ -76,7 +76,12 @@ def plan(
     desired: Annotated[float, typer.Option("--power", help="Desired power.")] = 0.8,
     rule: Annotated[
         str | None,
-        typer.Option("--sequential", metavar="RULE", help="alpha or bayes: look several times.", show_default=False),
+        typer.Option(
+            "--sequential",
+            metavar="RULE",
+            help="Rule of a study with several looks: alpha or bayes.",
+            show_default=False,
+        ),
     ] = None,
     looks: Annotated[str, typer.Option(help="Participants at each look, separated by commas.")] = "15,30,45",
     seed: RandomSeed = 0,
@@ -122,7 +127,11 @@ def simulate(
     ] = None,
     elimination: Annotated[
         float,
-        typer.Option(metavar="SHARE", help="Share who give each label once.", parser=number("--elimination", 0, 1)),
+        typer.Option(
+            metavar="SHARE",
+            help="Share of participants who give each label only once.",
+            parser=number("--elimination", 0, 1),
+        ),
     ] = 0.0,
     dropout: Annotated[
         float,

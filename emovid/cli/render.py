@@ -140,7 +140,7 @@ def render(
     Examples: emovid render --emotion anger · emovid render --all --jobs 2 · emovid render my.yaml --set robot.l=0.002
     """
     if every and (sources or emotion):
-        raise InputError("--all means the six emotions: no scene goes with it")
+        raise InputError("--all renders the six emotions and takes no scene")
     look = {"size": size, "fps": fps, "format": format, "theme": theme, "view": view}
     look |= {"speed": speed, "from": begin, "to": end}
     overrides = _look(settings(assignments, seed, look, duration), output, overlays or [])

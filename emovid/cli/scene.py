@@ -193,7 +193,7 @@ def _show(first: str, second: str, rows: Sequence[Difference]) -> None:
 
 
 def _text(value: Any) -> str:
-    """Return a value as it stands in a scene; a dash for a key that is not there."""
+    """Return a value as written in a scene, or a dash for a missing key."""
     text = "-" if value is ABSENT else value if isinstance(value, str) else json.dumps(value)
     return text if len(text) <= _SHOWN else f"{text[: _SHOWN - 3]}..."
 

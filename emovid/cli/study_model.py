@@ -40,7 +40,7 @@ def model(
     spreads = f"participants {found.participant_sd:.2f}, videos {found.video_sd:.2f}"
     typer.echo(f"standard deviations in log odds: {spreads}")
     numbers = f"{found.answers} answers of {found.participants} participants to {found.videos} videos"
-    typer.echo(numbers + ("" if found.converged else "; the search did not converge, so the numbers are no result"))
+    typer.echo(numbers + ("" if found.converged else "; the search did not converge, so the numbers are not valid"))
 
 
 def _line(effect: Effect) -> str:

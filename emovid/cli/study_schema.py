@@ -1,6 +1,6 @@
 """`emovid study schema`: the formats of study.yaml, map.yaml and results.json.
 
-A module of its own, since study.yaml needs the models of scenes and results.json needs pandas.
+A separate module, since study.yaml needs the models of scenes and results.json needs pandas.
 """
 
 import json

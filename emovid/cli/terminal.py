@@ -105,7 +105,7 @@ class _Lines(_Silent):
 
 
 class _Bars(_Lines):
-    """Shows a bar for the whole and one for each item under way, below the lines of finished items."""
+    """Shows a bar for the total and one for each running item, below the lines of finished items."""
 
     def __init__(self, total: int, progress: Progress, *, each: bool) -> None:
         super().__init__(total, lambda line: progress.console.print(line, highlight=False, markup=False), each=each)

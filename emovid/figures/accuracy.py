@@ -26,8 +26,8 @@ from emovid.figures.style import (
 Rates = NDArray[np.float64]
 
 _BARS = 0.8  # share of an emotion's place that its bars fill
-_BESIDE = 40.0  # what the vertical axis takes of the width [pt]
-_SWATCH = 28.0  # what a legend's entry takes beside its text [pt]
+_BESIDE = 40.0  # width of the vertical axis [pt]
+_SWATCH = 28.0  # width of a legend entry without its text [pt]
 _BAR = 8.0  # least width of a bar in a figure of one column [pt]
 _LINE = 1.6 * TEXT  # of a legend [pt]
 _HEIGHT = 2.4  # of a figure with short names [in]

@@ -19,7 +19,7 @@ _MUCH = 1.6  # times larger bubbles are worth rows that do not begin at their cr
 
 
 class Row(NamedTuple):
-    """The bubbles of one cross, from the inside out, and where its name goes."""
+    """The bubbles of one cross, from the inside out, and the position of its name."""
 
     cross: Array  # (2,)
     along: Array  # (2,) unit vector
@@ -97,7 +97,7 @@ def _rows(crosses: Array, starts: Array, angles: Array, sizes: Sequence[Array], 
 
 
 def _discs(row: Row) -> tuple[Array, Array]:
-    """Return centers and radii of what a row draws, the cross first."""
+    """Return centers and radii of the parts of a row, the cross first."""
     return np.vstack([row.cross, row.centres]), np.concatenate([[CROSS / 2], row.radii])
 
 

@@ -51,7 +51,7 @@ def interaction_figure(
     Args:
         runs: of unicycles, on stages of one size.
         times: of the first three panels of each [s]; the last panel shows the end.
-        behaviors: of the swarms, in words.
+        behaviours: of the swarms, in words.
         width: of the figure [in].
     """
     across, stage = 4 if width >= DOUBLE_COLUMN else 2, runs[0].scene.stage

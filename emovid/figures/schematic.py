@@ -81,7 +81,7 @@ def draw_line(
 def draw_dimension(axes: Axes, foot: Array, other: Array, offset: Array, text: str) -> None:
     """Draw a dimension line between two points (2,) [m], shifted by `offset` (2,) [m], with extension lines.
 
-    The text, which may hold formulas, stands at its middle, on the side of the offset.
+    The text, which may hold formulas, is at its middle, on the side of the offset.
     """
     along = offset / np.linalg.norm(offset)
     beyond = along * _BEYOND / scale_of(axes)

@@ -22,7 +22,7 @@ Answers = tuple[NDArray[np.int64], Sequence[str], Sequence[str]]
 
 @dataclass(frozen=True, eq=False)
 class LevelAccuracy:
-    """How one level of a group recognized each emotion.
+    """Recognition rates of one level of a group.
 
     Attributes:
         n_participants: of the level.
@@ -51,7 +51,7 @@ class FigureData:
 
 
 def figure_data(results: StudyResults) -> FigureData:
-    """Return what the figures show of the results of a study."""
+    """Return the results of a study that figures show."""
     groups = {
         column: {
             level: LevelAccuracy(
@@ -91,7 +91,7 @@ def _caption(data: FigureData) -> str:
 
 
 def _file_name(column: str, taken: Collection[str]) -> str:
-    """Return a name that any file system takes and no other file has: a group may be called by a whole question."""
+    """Return a valid and unique file name: the name of a group may be a complete question."""
     words = re.findall(r"[^\W_]+", column)
     name = "-".join(["accuracy", *words])[:_LONGEST_NAME]
     used = {other.casefold() for other in taken}
@@ -100,15 +100,15 @@ def _file_name(column: str, taken: Collection[str]) -> str:
 
 
 def answers_of(data: FigureData) -> Answers:
-    """Return what `confusion_figure` takes: counts (perceived, signalled), signalled and perceived labels."""
+    """Return the arguments of `confusion_figure`: counts (perceived, signalled), signalled and perceived labels."""
     return data.counts, data.emotions, data.labels
 
 
 def placed_answers_of(data: FigureData) -> Answers:
-    """Return what `circumplex_figure` takes.
+    """Return the arguments of `circumplex_figure`.
 
     Raises:
-        InputError: if an emotion has no place in the plane.
+        InputError: if an emotion has no position in the plane.
     """
     if unplaced := [emotion for emotion in data.emotions if emotion not in POSITIONS]:
         raise InputError(f"the study has no place on the circumplex for {', '.join(unplaced)}")
@@ -116,7 +116,7 @@ def placed_answers_of(data: FigureData) -> Answers:
 
 
 def recognition_of(data: FigureData, column: str) -> tuple[Rates, Rates, Rates, Sequence[str], Sequence[str], float]:
-    """Return what `accuracy_figure` takes: how many of each level of a group recognized each emotion.
+    """Return the arguments of `accuracy_figure`: the recognition rates of each level of a group.
 
     Raises:
         InputError: if the study has no such group.
@@ -130,6 +130,6 @@ def recognition_of(data: FigureData, column: str) -> tuple[Rates, Rates, Rates, 
 
 
 def _level_name(column: str, level: str) -> str:
-    """Return what a legend calls a level: "no robotics background" where the level itself is only "no"."""
+    """Return the name of a level in a legend: "no robotics background" where the level itself is only "no"."""
     name = column.replace("_", " ")
     return {"yes": name, "no": f"no {name}"}.get(level.lower(), level)

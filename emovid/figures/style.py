@@ -70,9 +70,9 @@ def in_style() -> Iterator[None]:
 
 
 @in_style()
-@held_signals()  # matplotlib's compiled parts would turn the exception of a signal into an error of their own
+@held_signals()  # matplotlib's compiled parts would replace the exception of a signal by an error of their own
 def encoded(figure: Figure, format: str, subject: str = "") -> bytes:
-    """Return a figure as a file of the format: pdf, png (300 dpi), svg or eps; a subject stands in its metadata."""
+    """Return a figure as a file of the format: pdf, png (300 dpi), svg or eps; a subject is part of its metadata."""
     buffer = BytesIO()
     with _fonts_prepared_fast():
         if format == "eps":

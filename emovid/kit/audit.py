@@ -92,11 +92,11 @@ def audit(
     Args:
         path: the kit.
         key: a published key with its salt beside it, for a kit without its private folder.
-        responses: exports of the survey, to report the balance that dropouts left.
+        responses: exports of the survey, to report the balance after dropouts.
         on_check: called with the name of each check before it runs.
 
     Raises:
-        InputError: for a folder that is no kit, and for invalid responses.
+        InputError: for a folder that is not a kit, and for invalid responses.
     """
     kit = open_kit(path, key)
     found: dict[str, list[Finding]] = {}

@@ -35,7 +35,7 @@ _LIMITS: dict[str, Callable[[Kit], Limits]] = {
 }
 _BY_ADDRESS = ("qualtrics", "limesurvey")
 _HERE = "videos"
-# Parts that do not decide who is shown or asked what: an export without them is still of the study.
+# Parts that do not change what participants see or answer: an export without them is still valid.
 _OPTIONAL = (REVISION,)
 
 
@@ -48,10 +48,10 @@ class Exported:
 
 
 def check_export(kit: Kit, tool: str) -> list[DesignPart]:
-    """Return the parts of the design of a kit, and how far a survey tool carries each of them.
+    """Return the parts of the design of a kit, and how far a survey tool supports each of them.
 
     Raises:
-        InputError: for an unknown tool, or one that is no survey tool.
+        InputError: for an unknown tool, or one that is not a survey tool.
     """
     _check_tool(tool)
     if tool not in _LIMITS:
@@ -124,7 +124,7 @@ def _impossible(parts: Sequence[DesignPart]) -> list[DesignPart]:
 
 
 def _warnings(parts: Sequence[DesignPart], tool: str, video_url: str) -> tuple[str, ...]:
-    """Return what an export leaves to the researcher; refuse one that cannot carry the design."""
+    """Return the steps that an export leaves to the researcher; refuse an export that cannot carry the design."""
     if impossible := _impossible(parts):
         reasons = "; ".join(f"{part.name} ({part.value}): {part.support.note}" for part in impossible)
         raise InputError(f"--to {tool}: cannot carry the design: {reasons}")

@@ -46,8 +46,8 @@ def check_video(video: Path, look: Look) -> None:
 def reencode(video: Path, target: Path, look: Look, seed: int) -> None:
     """Encode a finished video like all others, without sound and metadata.
 
-    The lowest bit of the luma changes in random squares, by the private seed. The change is invisible, and nobody can
-    reproduce the file from the public video.
+    The lowest bit of the luma changes in random squares, by the private seed. The change is invisible, and the
+    file cannot be reproduced from the public video.
 
     Raises:
         RenderError: if it cannot be decoded or encoded.

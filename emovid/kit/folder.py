@@ -27,7 +27,7 @@ class KitFolder:
 
     Attributes:
         path: the kit.
-        public: may be served to anybody.
+        public: may be public.
         videos: the stimuli, CODE.mp4.
         manifest: what the pages of a survey need; written last, so that a kit without it is unfinished.
         orders: the codes that each participant sees, in order.
@@ -76,7 +76,7 @@ class Kit:
     Attributes:
         folder: its paths.
         manifest: its manifest, with the completion code and the return link.
-        server: what only the survey's server may know.
+        server: known only to the server of the survey.
         unknown: keys of the manifest that do not belong there.
         orders: the codes of each participant, by position.
         choices: the order of the answers of each participant, if it is random.
@@ -113,7 +113,7 @@ def open_kit(path: Path, key: Path | None = None) -> Kit:
         key: a key to use instead of the private one.
 
     Raises:
-        InputError: for a folder that is no finished kit, and for invalid files in it.
+        InputError: for a folder that is not a finished kit, and for invalid files in it.
     """
     kit = open_public(path)
     file = key or kit.folder.key

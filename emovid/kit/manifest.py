@@ -77,7 +77,7 @@ class PublicCheck(Keys):
 
 
 class ServerKeys(Keys):
-    """The contents of survey.json: what the survey's server must know and participants must not read."""
+    """The contents of survey.json: the data of the survey server that participants must not read."""
 
     format: Literal["emovid survey 1"] = "emovid survey 1"
     complete: Return = Return()
@@ -184,7 +184,7 @@ def json_text(keys: Keys) -> str:
 
 
 def server_keys_of(study: Study) -> ServerKeys:
-    """Return what only the survey's server may know."""
+    """Return the data known only to the survey server."""
     recruitment = study.recruitment or Recruitment()
     return ServerKeys(
         complete=Return(code=study.thanks.code, link=study.thanks.link),

@@ -37,7 +37,7 @@ def boxes(data: bytes, offset: int = 0) -> Iterator[Box]:
         if size == 1 and place + 16 <= len(data):
             size, head = struct.unpack_from(">Q", data, place + _HEAD)[0], 16
         if size < head or place + size > len(data):
-            raise ValueError(f"no whole box at byte {offset + place}")
+            raise ValueError(f"no complete box at byte {offset + place}")
         kind, body = name.decode("latin-1"), data[place + head : place + size]
         yield Box(kind, offset + place, body)
         if kind in _CONTAINERS:

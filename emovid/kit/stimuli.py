@@ -135,7 +135,7 @@ def _varied(code: str, item: Exemplar, vary: Vary, seed: int) -> Stimulus:
 def _turn(scene: Scene, code: str, seed: int, *, mirror: bool, half_turn: bool) -> float:
     """Return a rotation [rad] that puts each robot well between two robots of the public run; 0 if not possible.
 
-    All robots look alike: what counts is where they are after the rotation, the half turn and the mirror image.
+    All robots look alike: only their positions after rotation, half turn and mirroring count.
     """
     first = _first_angle(scene)
     if first is None:

@@ -69,7 +69,7 @@ class Question(Keys):
 
 
 class Consent(Keys):
-    """The first page: what participants agree to."""
+    """The first page: the consent of participants."""
 
     text: Text = Field(description="text; blank lines separate paragraphs")
     version: Text = Field(description="version of the text that the ethics board approved")
@@ -155,7 +155,7 @@ class Orders(Keys):
 
 
 class AttentionCheck(StimulusKeys):
-    """A video of something that everybody who watches it can name, with a question of its own."""
+    """A video of something that every viewer can name, with its own question."""
 
     name: Name = Field(description="name in the data")
     question: Text = Field(description="text of the question")
@@ -434,7 +434,7 @@ def _label_faults(study: Study) -> Iterator[tuple[str, str]]:
         yield "labels", error.message
     else:
         if labels.offers_none:
-            yield "labels", "'none' is no emotion: expected none_of_these for it"
+            yield "labels", "'none' is not an emotion: expected none_of_these for it"
     for label in study.labels:
         if "|" in label or not label.isprintable():  # orders.csv separates labels by |
             yield "labels", f"{label!r}: expected one line without |"

@@ -1,4 +1,4 @@
-"""Corrected texts for a finished kit: `emovid study update`. Videos, orders, key and answers stay as they are."""
+"""Corrected texts for a finished kit: `emovid study update`. Videos, orders, key and answers do not change."""
 
 import json
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ from emovid.kit.folder import KitFolder, open_kit, set_times, write_text
 from emovid.kit.load import LoadedStudy
 from emovid.kit.manifest import json_text, manifest_of, server_keys_of
 
-# Keys of study.yaml that change what participants read, or what is published about the study, and nothing else. A star
+# Keys of study.yaml that change only texts for participants or published facts about the study. A star
 # stands for any key or place in a list.
 _TEXTS = (
     "title", "authors", "language", "question", "labels.*", "none_of_these", "translations", "ratings.*.question",

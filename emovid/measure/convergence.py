@@ -14,7 +14,7 @@ from emovid.swarm.arrays import Array
 from emovid.swarm.densities import Density, density_of
 from emovid.swarm.laws import corners_of, lloyd, locational_cost, mass_and_centroid
 
-_CONVERGED = 1e-6  # of the cost: the smallest gain for which Lloyd's iteration goes on
+_CONVERGED = 1e-6  # of the cost: the smallest gain for which Lloyd's iteration continues
 _MAX_PERIODS = 60  # examined for overshoot
 _MIN_LAG, _MAX_LAG = 3, 8  # control periods; a cycle of two shows at four
 
@@ -106,12 +106,12 @@ def _moved(off: Array) -> Array:
 
 def mean_cost(points: Array, corners: Array, density: Density) -> float:
     """Return the locational cost of points (N, 2) on a stage with `corners` (C, 2) over the density's mass [m^2]."""
-    (mass,), _ = mass_and_centroid(corners[:1], corners, density)  # a lone robot's cell is the whole stage
+    (mass,), _ = mass_and_centroid(corners[:1], corners, density)  # the cell of a single robot is the whole stage
     return locational_cost(points, corners, density) / float(mass)
 
 
 def past_centroids(window: Window, corners: Array, density: Density) -> Array:
-    """Return how far [m] robots get past the centroids they head for, (periods, N), negative if they stay short."""
+    """Return how far [m] robots move past their centroids, (periods, N), negative if they stay short."""
     trajectory, held = window.trajectory, window.trajectory.scene.steps_held
     samples = np.arange(0, len(trajectory.t), held)  # a barrier's own steps are parts of a control period
     ends = trajectory.t[samples]

@@ -1,8 +1,8 @@
 """Angularity of the robots' traces, as an observer of their positions sees it.
 
-A robot's commands can turn far more than its trace: it may spin on the spot, or shuttle by micrometers. So dividers set
-to the visible step first walk along the trace: each step ends where the path first leaves the circle about the step's
-start. Motion within a circle does not count, and the steps do not depend on the control period or the frame rate. This
+A robot's commands can turn far more than its trace: it may spin on the spot, or move to and fro by micrometers. The
+trace is therefore divided into visible steps: each step ends where the path first leaves the circle about the start of
+the step. Motion within a circle does not count, and the steps do not depend on the control period or the frame rate. This
 is the rediscretised path of P. Bovet and S. Benhamou, "Spatial analysis of animals' movements using a correlated random
 walk model", J. Theor. Biol. 131(4), 1988. All turning is turning between its steps.
 

@@ -21,7 +21,7 @@ from emovid.swarm.trajectory import Trajectory
 # (4 mm) and five pixels of a shipped video. Half and twice this value separate smooth and angular scenes as clearly.
 _STEP = 1 / 6
 
-_STILL = 60.0  # s; a robot that needs longer for a visible step stands still
+_STILL = 60.0  # s; a robot that needs longer for a visible step is stationary
 _INTERVAL = 0.1  # s; between samples of the whole swarm
 _MAX_SAMPLES = 300
 
@@ -80,7 +80,7 @@ class Window:
 
     @property
     def still(self) -> float:
-        """Speed [m/s] below which a robot stands still: one visible step a minute."""
+        """Speed [m/s] below which a robot is stationary: one visible step per minute."""
         return self.step / _STILL
 
     @property

@@ -31,7 +31,7 @@ _ALONG = 720  # moments of a contour's run at which its points are looked at
 
 
 class Testbed(NamedTuple):
-    """A place with robots: its arena, and what its robots' wheels do [m/s]."""
+    """A testbed: its arena, and the speed limit of its robots' wheels [m/s]."""
 
     arena: Arena
     wheel_speed: float = WHEEL_SPEED
@@ -48,10 +48,10 @@ class Check:
     """One line of the report.
 
     Attributes:
-        name: what was looked at.
-        value: what was found, in SI units.
+        name: of the check.
+        value: the result, in SI units.
         found: the same in words.
-        expected: in words; "" for what is only reported.
+        expected: in words; "" if the value is only reported.
         holds: whether it is as expected.
     """
 

@@ -113,7 +113,7 @@ def robotarium_script(scene: Scene, name: str, arena: Arena, *, trails: bool = F
     text = "\n".join(_chosen(_TEMPLATE.read_text(encoding="utf-8").splitlines(), sections))
     for key, value in parts.items():
         text = text.replace(f"{{{{{key}}}}}", value)
-    return re.sub(r"\n{4,}", "\n\n\n", text) + "\n"  # what was between sections that are left out
+    return re.sub(r"\n{4,}", "\n\n\n", text) + "\n"  # text between omitted sections
 
 
 def _check(scene: Scene, arena: Arena) -> None:

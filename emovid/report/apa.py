@@ -30,9 +30,9 @@ def sentence(test: object) -> str:
     """Return the string that reports a test.
 
     Raises:
-        TypeError: for anything that is no test.
+        TypeError: for anything that is not a test.
     """
-    raise TypeError(f"{type(test).__name__} is no test")
+    raise TypeError(f"{type(test).__name__} is not a test")
 
 
 def has_sentence(kind: type) -> bool:
@@ -168,7 +168,7 @@ def difference(pair: Pair) -> str:
 
 
 def equivalence(pair: Pair) -> str:
-    """Return whether a pair is equivalent within the margin set beforehand; without one, what is not shown."""
+    """Return whether a pair is equivalent within the margin set beforehand."""
     if pair.equivalent is None:
         return f"equivalence not shown below {number(100 * pair.bound, 1)} points"
     shown = "equivalent" if pair.equivalent else "equivalence not shown"

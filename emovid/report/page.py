@@ -1,4 +1,4 @@
-"""`report.html`: the results as one page that needs nothing else, to read, to print and to send.
+"""`report.html`: the results as one self-contained page.
 
 The text of the page is in `report.html.jinja`; this module chooses what it shows.
 """

@@ -41,7 +41,7 @@ _PRACTICE = (
 _PRACTICE_WORD = re.compile(rf"\b{_PRACTICE}")
 _NO_PRACTICE = re.compile(r"\b(no|non|not|without|after|post|main|real|experimental)\b")
 _CHECK_WORD = re.compile(r"\b(attention|catch( trials?)?$|catch trial|bot ?check|instructed response|imc\b)")
-# Words in names of columns that tell the part of a study that a row belongs to.
+# Words in names of columns that state the part of a study of a row.
 _PARTS = frozenset((
     "phase", "block", "section", "stage", "part", "task", "type", "condition", "procedure", "screen", "display",
     "loop", "trialtype", "blocktype", "blockname", "taskname", "practice", "training", "kind", "session", "list",
@@ -100,7 +100,7 @@ def marks_of_people(table: Table, known: Known, marks: Marks) -> dict[str, Mask]
 def without_rows(
     table: Table, known: Known, people: Column | None, marks: Marks, used: Collection[int | None] = ()
 ) -> tuple[NDArray[np.bool_], dict[str, int]]:
-    """Return the rows (True) that stay, and the number of rows left out, by reason.
+    """Return the rows (True) to keep, and the number of rows left out, by reason.
 
     Args:
         table: the file.
@@ -142,7 +142,7 @@ def _has(cells: Column, values: Collection[str]) -> Mask:
 
 
 def _parts(table: Table, place: int, people: NDArray[np.int64]) -> Iterator[tuple[str, Mask]]:
-    """Yield the rows of practice and of attention checks that a column tells.
+    """Yield the rows of practice and of attention checks marked by a column.
 
     A column counts only if participants with such rows have other rows, too: training as an experimental condition, or
     as a question about participants, does not vary within them.
@@ -162,7 +162,7 @@ def _parts(table: Table, place: int, people: NDArray[np.int64]) -> Iterator[tupl
 
 
 def is_practice(text: str) -> bool:
-    """Return whether the name of a loop, block or the like says that it is practice, an example or an instruction."""
+    """Return whether the name of a loop, block or the like means practice, an example or an instruction."""
     words = plain(re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text))
     return bool(_PRACTICE_WORD.search(words)) and not _NO_PRACTICE.search(words)
 

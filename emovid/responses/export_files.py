@@ -17,7 +17,7 @@ from emovid.responses.dialects.pcibex import is_pcibex, pcibex_table
 from emovid.responses.results_files import is_of_analysis, is_results
 
 WORKBOOKS = (".xlsx", ".xlsm", ".xls", ".ods")
-_START = 20_000  # bytes that tell the format
+_START = 20_000  # bytes that identify the format
 _EPRIME_PATH = re.compile(rb"[^\t\n]*\.(emrg|edat|mrg)\d?\"?\s*\n", re.IGNORECASE)
 
 

@@ -10,7 +10,7 @@ from emovid.responses.responses import EMOTIONS
 NONE = "none"
 FEWEST, MOST = 2, 12
 
-# Words for one feeling: nouns, adjectives, and synonyms in surveys. The word that is a label stands for the others.
+# Words for one feeling: nouns, adjectives, and synonyms in surveys. The word that is a label represents the others.
 _FEELINGS = (
     ("happiness", "happy", "joy", "joyful", "joyous", "glad", "cheerful"),
     ("surprise", "surprised", "astonished", "astonishment"),
@@ -54,7 +54,7 @@ class Labels:
     """The answers that participants can give.
 
     Attributes:
-        signalled: labels that videos can stand for.
+        signalled: labels of videos.
         offers_none: whether "none of these" is among the labels.
     """
 
@@ -137,7 +137,7 @@ def _words(names: Sequence[str]) -> dict[str, str]:
     words = dict.fromkeys(_NONE_OF_THESE, NONE)
     for feeling in _FEELINGS:
         labels = [name for name in names if plain(name) in feeling]
-        if len(labels) == 1:  # where "joy" and "happiness" are two labels, neither stands for "happy"
+        if len(labels) == 1:  # where "joy" and "happiness" are two labels, neither represents "happy"
             words |= dict.fromkeys(feeling, labels[0])
     return words | {plain(name): name for name in names}
 

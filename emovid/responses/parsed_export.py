@@ -1,4 +1,4 @@
-"""Input and output of every dialect: facts known besides the file, and answers as they stand in the file."""
+"""Input and output of every dialect: known facts besides the file, and answers as written in the file."""
 
 import re
 from collections.abc import Mapping as Map
@@ -25,7 +25,7 @@ class Known:
 
     Attributes:
         labels: the answers.
-        codes: emotion of each video code; empty if the names of videos tell their emotion.
+        codes: emotion of each video code; empty if the names of videos contain their emotion.
         mapping: content of map.yaml.
         groups: names of requested groups.
         include_pilots: whether answers of pilot runs count.
@@ -45,7 +45,7 @@ class Known:
         return code if code in self.codes else code_within(video, self.codes) or code
 
     def emotion(self, video: str) -> str | None:
-        """Return the emotion that a video stands for, None for an unknown video."""
+        """Return the true emotion of a video, None for an unknown video."""
         if self.codes:
             return self.codes.get(self.code(video))
         words = [word for word in plain(code_of(video)).split() if word not in _VIDEO_WORDS]
@@ -69,7 +69,7 @@ class ParsedExport:
         evidence: why a column has its role, by its name.
         numbered: whether participants are numbers of rows, because no column names them.
         codes: emotion of each video, if the file states it.
-        note: how participants were told apart, if no column names them; or "".
+        note: how participants were identified, if no column names them; or "".
         warnings: sentences for readers of the results.
         simulated: whether rows are marked as simulated.
         excluded: participants and rows that were left out, to be listed one by one.
@@ -187,7 +187,7 @@ def ranks(ids: Column, order: Column) -> Column:
 
 
 def _by_numbers(text: str) -> list[str | tuple[int, str]]:
-    """Return a key that sorts numbers within text by size, whatever their length."""
+    """Return a key that sorts numbers within text by size, for any length."""
     parts = re.split(r"0*(\d+)", text)
     return [(len(part), part) if i % 2 else part for i, part in enumerate(parts)]
 

@@ -1,4 +1,4 @@
-"""Participants: the column that tells them apart, and the groups they belong to."""
+"""Participants: the column that identifies them, and the groups they belong to."""
 
 import re
 from collections.abc import Collection, Iterable, Mapping
@@ -165,14 +165,14 @@ def who_answered(table: Table, known: Known, codes: Column, used: Collection[int
     by_file = _by_file(
         table,
         known,
-        "no column tells participants apart, and no video is repeated: all answers are taken as one person's",
+        "no column identifies participants, and no video is repeated: all answers are taken as those of one person",
     )
     if people.place is None and not pd.DataFrame({"file": by_file.ids, "code": codes}).duplicated().any():
         return by_file
     if people.place is None and len(table.files) > 1:
         message = f"{doubt}; expected map.yaml: participant: {EACH_FILE} if a file is one person's, or {EACH_ROW}"
         raise SourceError(table.file, message, 1)
-    return replace(people, note=f"{doubt}: each row is taken as another person's")
+    return replace(people, note=f"{doubt}: each row is taken as another participant")
 
 
 def likely_participant(table: Table, known: Known, codes: Column, used: Collection[int | None]) -> int | None:
@@ -189,14 +189,14 @@ def likely_participant(table: Table, known: Known, codes: Column, used: Collecti
 def _by(table: Table, found: _Candidate, videos: int) -> People:
     _check_ids(table, found.place)
     name = quoted(table.names[found.place])
-    note = f"participants are told apart by {name}: each of its {found.people} values answers all {videos} videos once"
+    note = f"participants are identified by {name}: each of its {found.people} values answers all {videos} videos once"
     return People(table.cells[found.place], found.place, {}, note=note)
 
 
 def _doubt(table: Table, people: People, codes: Column) -> str:
     """Return why a column may not name the participants in spite of its name, or that there is none; otherwise ""."""
     if people.place is None:
-        return "no known column tells participants apart"
+        return "no known column identifies participants"
     name = table.names[people.place]
     if plain(name) not in map(plain, NUMBERS):
         return ""
@@ -350,6 +350,6 @@ def _first(codes: NDArray[np.intp], people: int, cells: Column) -> list[str]:
     filled = (cells != "").to_numpy(dtype=bool)
     values, words = coded(cells[filled])
     found = np.full(people, len(words))
-    found[codes[filled][::-1]] = values[::-1]  # a later assignment overwrites an earlier one: the first row stays
+    found[codes[filled][::-1]] = values[::-1]  # a later assignment overwrites an earlier one: the first row counts
     texts = [*map(number, words), ""]
     return [texts[i] for i in found]

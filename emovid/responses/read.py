@@ -52,7 +52,7 @@ def read_responses(
     """Return the answers in one or more exports.
 
     Args:
-        sources: files, and folders, whose files are read one by one: a file that is no export is in `rejected` (row 0).
+        sources: files, and folders, whose files are read one by one: other files are in `rejected` (row 0).
         key: emotion of each video code, as video_code,true_emotion.
         mapping: a map.yaml.
         labels: instead of the six emotions, or of the map's.
@@ -189,7 +189,7 @@ def _together(parts: Sequence[_Parsed]) -> pd.DataFrame:
 
 
 def _labels(answers: pd.DataFrame, together: pd.DataFrame, known: Known) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the labels that videos stand for, and those of all answers."""
+    """Return the labels of videos, and those of all answers."""
     offers_none = known.labels.offers_none or bool((answers["perceived"] == NONE).any())
     stood_for = {*known.codes.values()} or {known.emotion(str(video)) or "" for video in together["video"].unique()}
     signalled = tuple(label for label in known.labels.signalled if label in stood_for)
@@ -282,8 +282,8 @@ def _nothing_left(file: str, rejected: Sequence[Rejected], dropped: Counter[str]
         counts = ", ".join(f"{count} {reason}" for reason, count in dropped.items() if count)
         return SourceError(file, f"no participant is left ({counts}); expected answers")
     if not rejected:
-        return SourceError(file, "no answer in it; expected some")
-    first = next((item for item in rejected if item.row), rejected[0])  # a cell says more than a skipped file
+        return SourceError(file, "no answers found; expected some")
+    first = next((item for item in rejected if item.row), rejected[0])  # a cell is more informative than a skipped file
     given = f"{quoted(first.value)} " if first.value else ""
     others = f" ({len(rejected)} cells or rows rejected)" if len(rejected) > 1 else ""
     return SourceError(first.file, f"{given}{first.reason}{others}; see emovid study columns", first.row, first.cell)

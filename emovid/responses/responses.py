@@ -1,4 +1,4 @@
-"""Answers of a study: one for each participant and video, whatever tool collected them."""
+"""Answers of a study: one for each participant and video, from any survey tool."""
 
 from dataclasses import dataclass, field
 from typing import Literal
@@ -33,7 +33,7 @@ class Source:
         dialect: the format it was recognized as, in words ("Google Forms", "long table").
         sha256: digest of its bytes.
         participants: number of participants whose answers are used.
-        note: how participants were told apart, where no column names them; or "".
+        note: how participants were identified, if no column names them; or "".
     """
 
     file: str
@@ -68,7 +68,7 @@ class Responses:
     """The answers of a study.
 
     Attributes:
-        signalled: labels that videos stand for, in the order of the columns of tables.
+        signalled: labels of videos, in the order of the columns of tables.
         labels: answers that participants can give, in the order of the rows of tables: `signalled`, then labels that no
             video stands for, and last "none" if the survey offers "none of these".
         answers: one row for each answer, with the columns `participant`, `video`, `signalled`, `perceived` (text) and

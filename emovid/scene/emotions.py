@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple, get_args
 
 EmotionName = Literal["happiness", "surprise", "sadness", "fear", "disgust", "anger"]
 
-PLATFORMS = ("robotarium", "robotarium-today")  # testbeds with six scenes of their own, in folders of these names
+PLATFORMS = ("robotarium", "robotarium-today")  # testbeds with their own six scenes, in folders of these names
 
 
 class Emotion(NamedTuple):

@@ -201,7 +201,7 @@ def scene_text(scene: Scene) -> str:
 
 
 def scene_digest(scene: Scene) -> str:
-    """Return the SHA-256 of the resolved scene: equal for scenes with equal keys, whatever their comments."""
+    """Return the SHA-256 of the resolved scene: equal for scenes with equal keys; comments do not count."""
     canonical = json.dumps(scene.resolved(), sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(canonical.encode()).hexdigest()
 

@@ -124,7 +124,7 @@ class Scene(Keys):
 
 
 def _faults(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield (key, message) for what no key shows alone."""
+    """Yield (key, message) for errors that involve several keys."""
     yield from _video_faults(scene.video)
     yield from _window_faults(scene)
     if scene.video.overlays.density and not isinstance(scene.behaviour, Coverage):
@@ -154,7 +154,7 @@ def _video_faults(video: Video) -> Iterator[tuple[str, str]]:
     if video.format == "gif" and video.fps > MAX_GIF_FPS:
         yield "video.fps", f"{video.fps}: expected at most {MAX_GIF_FPS} in a gif: browsers show a faster one slowly"
     if video.trails.fade and video.trails.seconds is None:
-        yield "video.trails.fade", "true: a trail that stays for ever cannot fade; expected a number for seconds"
+        yield "video.trails.fade", "true: a permanent trail cannot fade; expected a number for seconds"
 
 
 def _window_faults(scene: Scene) -> Iterator[tuple[str, str]]:

@@ -1,4 +1,4 @@
-"""The keys of `robot` and `safety`: a robot's file, its limits, and what keeps bodies apart.
+"""The keys of `robot` and `safety`: the robot file, its limits, and collision avoidance.
 
 Lengths are in meters, in the robot's own frame: x forward, y left, the origin at its pose, midway between the wheels.
 """
@@ -106,7 +106,7 @@ class Light(Keys):
 
 
 class Limits(Keys):
-    """Limits of the motors. A command beyond a limit is scaled as a whole, so the curvature stays."""
+    """Limits of the motors. A command beyond a limit is scaled, v and omega together, so the curvature is unchanged."""
 
     v_max: Annotated[float, Field(gt=0, le=100)] | None = Field(None, description="largest linear speed [m/s]")
     omega_max: Annotated[float, Field(gt=0, le=1000)] | None = Field(None, description="largest turning rate [rad/s]")

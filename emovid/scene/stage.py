@@ -35,7 +35,7 @@ class Edge(NamedTuple):
 
 
 def first_fault(corners: Sequence[Corner]) -> tuple[int, str] | None:
-    """Return the first corner that is impossible in a convex polygon, and what is wrong with it.
+    """Return the first corner that is impossible in a convex polygon, and the reason.
 
     Args:
         corners: three or more, in order around the polygon, in either direction.

@@ -41,7 +41,9 @@ def analyze(responses: Responses, by: Sequence[str] = (), seed: int = 0, margin:
         margin: of equivalence between groups, as a share, set beforehand.
     """
     if not isinstance(responses, Responses):
-        raise InputError(f"analyze: {responses!r} is no Responses; expected those of read_responses('responses.csv')")
+        raise InputError(
+            f"analyze: {responses!r} is not a Responses object; expected the result of read_responses('responses.csv')"
+        )
     showings, uses = showings_of(responses), None
     levels = {name: len(levels_of(list(column))) for name, column in responses.participants.items()}
     columns = list(by) or [name for name in responses.participants.columns if levels[name] <= MOST_LEVELS]
@@ -103,7 +105,7 @@ def analyze(responses: Responses, by: Sequence[str] = (), seed: int = 0, margin:
 
 
 def analyze_counts(counts: Counts, labels: Sequence[str], signalled: Sequence[str], seed: int = 0) -> StudyResults:
-    """Return the results that a confusion matrix (labels, signalled) alone can give: a published table, say."""
+    """Return the results of a confusion matrix (labels, signalled) without answers, for example a published table."""
     results = _of_matrix(counts, labels, signalled, seed)
     note = "participants are not known: answers count as independent, and nothing is tested within participants"
     return replace(results, warnings=tuple(_warnings(results)), notes=(note,))
@@ -252,19 +254,20 @@ def _corrected_differences(found: Mapping[str, GroupDifferences]) -> dict[str, G
 
 
 def _warnings(results: StudyResults) -> Iterable[str]:
-    """Yield what limits the results: small numbers, and labels other than the paper's six."""
+    """Yield limitations of the results: small numbers, and labels other than the six of the paper."""
     yield from _fit_warnings(results)
     for column, levels in results.groups.items():
         small = [level for level, block in levels.items() if (block.n_participants or 0) < MIN_GROUP]
         if small:
-            yield f"{column}: fewer than {MIN_GROUP} participants in {', '.join(small)}; read their tests as hints"
+            few = f"fewer than {MIN_GROUP} participants in {', '.join(small)}"
+            yield f"{column}: {few}; interpret their tests with caution"
     without = [label for label in results.labels if label not in results.emotions and label != NONE]
     if without:
-        yield f"no video stands for {', '.join(without)}: rows of the matrix without a column"
+        yield f"no video shows {', '.join(without)}: rows of the matrix without a column"
     unplaced = [name for name in results.emotions if name not in ANGLES]
     if unplaced:
         yield (
-            f"{', '.join(unplaced)}: no known place on the circumplex, so there is no figure of it, and tests of "
+            f"{', '.join(unplaced)}: no known position on the circumplex, so there is no figure of it, and tests of "
             "valence, arousal and near neighbors leave them out"
         )
 
@@ -298,7 +301,7 @@ def _reading_warnings(responses: Responses, showings: Showings) -> Iterable[str]
 
 
 def _notes(results: StudyResults, several: bool) -> Iterable[str]:
-    """Yield what holds of every study of this kind."""
+    """Yield notes that apply to every study of this kind."""
     yield "answers of one participant depend on each other: tests across videos permute or resample participants"
     if several:
         yield (

@@ -1,4 +1,4 @@
-"""The confusion matrix and its errors: which wrong answers stand out, and whether they fall on near neighbors.
+"""The confusion matrix and its errors: which wrong answers are frequent, and whether they are near neighbors.
 
 Counts are matrices (labels, signalled), rows perceived, whose first rows are the signalled labels in the order of the
 columns, as in `Responses`: the right answer to column j stands in row j, and everything else is an error.
@@ -64,7 +64,7 @@ def quasi_independence(counts: Counts) -> Errors:
     """Return the errors in `counts` (labels, signalled) against L. Goodman's quasi-independence (JASA 63, 1968).
 
     Right answers are structural zeros, so recognition does not enter: happiness that is recognized less often than
-    anger is no preference for anger. Errors count as independent: a guide to confusions, not a test.
+    anger is not a preference for anger. Errors count as independent: a guide to confusions, not a test.
     """
     errors, free = _errors(counts)
     expected, bias = _fitted(errors, free)

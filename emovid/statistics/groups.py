@@ -1,4 +1,4 @@
-"""Differences between groups of participants, and how much "no difference" is worth.
+"""Differences between groups of participants, and the evidence for "no difference".
 
 Participants, not answers, are compared: the answers of one person to several videos are never pooled as independent.
 Beside each difference stand its interval, a Bayes factor and, with a margin set beforehand, a test of equivalence,
@@ -112,7 +112,7 @@ class RatesDiffer:
 
 
 def levels_of(group: Sequence[object]) -> tuple[str, ...]:
-    """Return the groups that occur in `group`, sorted; who says nothing (empty, not text) is in none."""
+    """Return the groups that occur in `group`, sorted; a participant without a value (empty, not text) is in none."""
     return tuple(sorted({level for level in group if isinstance(level, str) and level}))
 
 
@@ -122,7 +122,7 @@ def scores_differ(
     """Return whether the groups' mean scores differ, a score being the share of a participant's answers that hit.
 
     Args:
-        showings: the answers; who answered nothing is left out.
+        showings: the answers; participants without answers are excluded.
         group: of each participant.
         seed: of the shuffles.
         margin: of equivalence, as a share.
@@ -218,7 +218,7 @@ def _spread_of_means(scores: NDArray[np.float64], sizes: Sequence[int]) -> NDArr
 def rates_differ(
     showings: Showings, group: Sequence[object], seed: int = 0, margin: float | None = None
 ) -> list[RatesDiffer]:
-    """Return, for each emotion, whether the groups recognize it alike; arguments as for `scores_differ`."""
+    """Return, for each emotion, whether the groups recognize it equally well; arguments as for `scores_differ`."""
     levels = levels_of(group)
     member = np.array([[level == mine for mine in group] for level in levels], dtype=bool).reshape(
         len(levels), len(group)

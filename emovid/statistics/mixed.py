@@ -66,7 +66,7 @@ class MixedModel:
 
 
 def model_of(responses: Responses, by: Sequence[str]) -> MixedModel:
-    """Return the model of a study; participants who say nothing of a column of `by` are left out.
+    """Return the model of a study; participants without a value in a column of `by` are excluded.
 
     Raises:
         ValueError: as `mixed_model`.

@@ -86,7 +86,7 @@ def videos_differ(choices: Choices, right: NDArray[np.int64] | None = None) -> V
     hits = _hits(choices, right)[np.ix_(*_complete(choices))].astype(np.int64)
     videos, by_person, by_video = hits.shape[1], hits.sum(axis=1), hits.sum(axis=0)
     dof, mixed = max(videos - 1, 0), int(((by_person > 0) & (by_person < videos)).sum())
-    if not mixed:  # Q is 0 / 0: nobody tells the videos apart
+    if not mixed:  # Q is 0 / 0: no participant distinguishes the videos
         return VideosDiffer(float("nan"), dof, float("nan"), len(hits), 0, len(choices))
     total = by_video.sum()
     q = dof * (videos * (by_video**2).sum() - total**2) / (videos * total - (by_person**2).sum())

@@ -15,7 +15,7 @@ Choices = NDArray[np.int64]
 class Showings:
     """Answers by participant and showing.
 
-    A showing is a video, or a video shown again. All answers of a participant stand in one row, so what is shuffled or
+    A showing is a video, or a video shown again. All answers of a participant are in one row, so what is shuffled or
     resampled by row keeps whatever dependence they have.
 
     Attributes:

@@ -71,9 +71,9 @@ def rehearse(
 ) -> pd.DataFrame:
     """Return the answers of simulated participants: a row for each answer, which its mode marks as simulated.
 
-    Each participant sees the videos in an order of their own. Who eliminates chooses, one video after the other, among
-    the labels not given yet. Right answers get lost that way, since their labels may be gone; so the probabilities of
-    those who eliminate are raised until they are right as often as the others, as far as that is possible.
+    Each participant sees the videos in a separate random order. Eliminating participants choose, one video after the
+    other, among the labels not given yet. This loses right answers whose labels are already used; the probabilities of
+    these participants are therefore raised until they are right as often as the others, as far as possible.
 
     Args:
         model: how they answer.
@@ -130,7 +130,7 @@ def _answers(
 
 
 def _raised(probabilities: Probabilities, rng: np.random.Generator) -> Probabilities:
-    """Return probabilities with which those who eliminate are right as often as `probabilities` say."""
+    """Return probabilities with which eliminating participants have the hit rates of `probabilities`."""
     videos = probabilities.shape[1]
     wanted, raised = probabilities[np.arange(videos), np.arange(videos)], probabilities
     orders = rng.permuted(np.tile(np.arange(videos), (_CALIBRATION, 1)), axis=1)

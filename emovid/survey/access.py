@@ -61,7 +61,7 @@ def ask_for_another() -> Reply:
 
 @access.post("/new")
 def start_for_another() -> Reply:
-    """Forget the participant in this browser; the records stay."""
+    """Remove the cookie of the participant from this browser; the records remain."""
     session.use_code(codes.fresh_code())
     return redirect(url_for("pages.start"), 303)
 

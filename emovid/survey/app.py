@@ -37,7 +37,7 @@ _HEADERS = {
 
 
 class Prefix:
-    """WSGI application under a path of its own, whether a proxy in front removes the path or not.
+    """WSGI application under a path prefix, with or without a proxy that removes the prefix.
 
     Args:
         app: the application.

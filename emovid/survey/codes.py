@@ -31,7 +31,7 @@ def digest(code: str) -> str:
 
 
 def recruit_digest(code: str) -> str:
-    """Return the digest that stands for a participant among recruits; only the code itself leads to both digests."""
+    """Return the digest of a participant among recruits; only the code itself leads to both digests."""
     return hashlib.sha256(f"emovid recruit/{code}".encode()).hexdigest()
 
 
@@ -46,7 +46,7 @@ def is_status_token(given: str, secret: bytes) -> bool:
 
 
 def site_name(secret: bytes) -> str:
-    """Return five characters that tell the participants of one database from those of every other one."""
+    """Return five characters that distinguish the participants of one database from those of others."""
     return _letters(hashlib.sha256(b"emovid site/" + secret).digest(), 5)
 
 

@@ -22,8 +22,8 @@ FINISHED, COMPLETE, IN_PROGRESS, ABANDONED = "finished", "complete", "in progres
 class ResponseRow:
     """The columns of responses.csv, in this order; a column for each question about the participant follows.
 
-    Times are seconds since the participant's enrollment: the time of day is not told. A participant without answers has
-    one row, without a video.
+    Times are seconds since the participant's enrollment: the time of day is not exported. A participant without answers
+    has one row, without a video.
     """
 
     participant: str

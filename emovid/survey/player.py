@@ -1,4 +1,4 @@
-"""Requests of the player: the videos, in parts, and the reports of what was watched."""
+"""Requests of the player: the videos, in parts, and the reports of playback."""
 
 from flask import Blueprint, abort, request, send_file
 from werkzeug.wrappers import Response

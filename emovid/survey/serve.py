@@ -68,7 +68,7 @@ def serve(
 
 
 def _allow_open_files() -> None:
-    """Raise the limit of open files, so that slow or idle connections keep nobody out."""
+    """Raise the limit of open files, so that slow or idle connections do not block others."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     wanted = 2 * _MAX_CONNECTIONS if hard == resource.RLIM_INFINITY else min(2 * _MAX_CONNECTIONS, hard)
     if soft != resource.RLIM_INFINITY and soft < wanted:

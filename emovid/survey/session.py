@@ -85,7 +85,7 @@ def participant() -> Participant | None:
 
 
 def progress(person: Participant) -> Progress:
-    """Return what a participant has done."""
+    """Return the progress of a participant."""
     return Progress(
         has_questions=bool(survey().manifest.demographics),
         told=person.about is not None,

@@ -144,7 +144,7 @@ class Store:
             sql.execute("UPDATE recruits SET outcome = ? WHERE digest = ?", (outcome, recruit))
 
     def recruits(self) -> list[tuple[dict[str, str], str]]:
-        """Return parameters and outcome of all recruits, in an order that tells nothing of when they came."""
+        """Return parameters and outcome of all recruits, in an order unrelated to their time."""
         with self._data.reading() as sql:
             rows = sql.execute("SELECT parameters, outcome FROM recruits ORDER BY parameters").fetchall()
         return [(json.loads(parameters), outcome) for parameters, outcome in rows]

@@ -36,7 +36,7 @@ from emovid.swarm.arrays import Array, Indices, Mask
 from emovid.swarm.projection import nearest_within
 from emovid.swarm.unicycle import look_ahead
 
-_PENALTY = 100.0  # for missing the whole demand of rows without a solution, against speeds of the order of 1
+_PENALTY = 100.0  # for violating rows without a solution completely, compared with speeds of the order of 1
 _DIRECTIONS = 16  # corners of the polygon within the speeds of an omnidirectional robot
 
 

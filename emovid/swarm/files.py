@@ -114,6 +114,8 @@ def _check_arrays(scene: Scene, arrays: Mapping[str, Any], source: Path) -> None
     if (np.diff(t) <= 0).any():
         raise InputError(f"{source}: not a run: the times in t do not rise")
     if t[0] != 0:
-        raise InputError(f"{source}: not a whole run: t begins at {t[0]:g}, expected 0")
+        raise InputError(f"{source}: not a complete run: t begins at {t[0]:g}, expected 0")
     if not np.isclose(t[-1], scene.duration, rtol=1e-9, atol=0):
-        raise InputError(f"{source}: not a whole run: t ends at {t[-1]:g}, expected the duration, {scene.duration:g}")
+        raise InputError(
+            f"{source}: not a complete run: t ends at {t[-1]:g}, expected the duration, {scene.duration:g}"
+        )

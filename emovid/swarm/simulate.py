@@ -38,7 +38,7 @@ def simulate(scene: Scene, on_period: Callable[[int, int], None] | None = None) 
         RuntimeWarning: once, where a barrier's program has no solution: with the time and the robots.
     """
     if not isinstance(scene, Scene):
-        raise InputError(f"simulate: {scene!r} is no scene; expected one such as load_scene('fear')")
+        raise InputError(f"simulate: {scene!r} is not a scene; expected one such as load_scene('fear')")
     rng = np.random.default_rng(scene.seed)
     t = sample_times(scene.duration, scene.step)
     law = _law(scene)

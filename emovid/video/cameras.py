@@ -22,7 +22,7 @@ class OverheadCamera:
     Attributes:
         width, height: frame size [pixels].
         scale: pixels per meter.
-        center: point (x, y) [m] in the middle of the frame.
+        centre: point (x, y) [m] in the middle of the frame.
     """
 
     width: int

@@ -44,7 +44,7 @@ class Canvas:
 
     Args:
         width, height: picture size [pixels].
-        color: of the background.
+        colour: of the background.
 
     Attributes:
         pixels: the picture (height, width, 4): RGBA, row 0 on top.
@@ -84,7 +84,7 @@ class Canvas:
 
         Args:
             lines: at least one.
-            colors: (1, 4), or one for each line.
+            colours: (1, 4), or one for each line.
             width: [pixels].
         """
         points = np.concatenate(lines)
@@ -115,7 +115,7 @@ class Canvas:
 
         Args:
             outlines: at least one.
-            colors: (1, 4), or one for each outline.
+            colours: (1, 4), or one for each outline.
             low: lower left corners of boxes (B, 2) that together hold them [pixels].
             high: their upper right corners.
         """

@@ -138,7 +138,7 @@ def write_pictures(
 def check_sequence(target: Path) -> None:
     """Raise an `InputError` if `target` exists and is not a folder of pictures of a sequence: it would be replaced."""
     if target.is_dir() and (others := sorted(path.name for path in target.iterdir() if not _is_picture(path))):
-        raise InputError(f"{target}: holds {others[0]}, which is no picture of a sequence; expected a new folder")
+        raise InputError(f"{target}: holds {others[0]}, which is not a picture of a sequence; expected a new folder")
     if target.exists() and not target.is_dir():
         raise InputError(f"{target}: is a file; expected a folder for pictures")
 

@@ -127,7 +127,7 @@ def encode(
                 if on_frame:
                     on_frame(k)
             process.stdin.close()
-        except BrokenPipeError:  # ffmpeg has ended; its exit status says why
+        except BrokenPipeError:  # ffmpeg has ended; its exit status is reported
             pass
 
 

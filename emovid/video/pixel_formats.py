@@ -99,7 +99,7 @@ class PaletteIndices:
 
     Args:
         width, height: picture size [pixels].
-        colors: of the palette (C,), at most 256.
+        colours: of the palette (C,), at most 256.
 
     Attributes:
         data: as ffmpeg's pal8: for each pixel, row by row, the index of the nearest color in RGB; then 256 colors as

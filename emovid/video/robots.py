@@ -16,7 +16,7 @@ from emovid.swarm.arrays import Array, Indices
 from emovid.video.cameras import PinholeCamera
 
 _LIGHT = np.array([-0.6, -0.8])  # direction to the light, along the floor: left, behind the camera
-_SIDE, _CONTRAST = 0.68, 0.14  # brightness of a side across the light, and what light adds or takes
+_SIDE, _CONTRAST = 0.68, 0.14  # brightness of a side parallel to the light, and the change by light
 _SHADES = 12  # steps of brightness of the sides
 _BELOW = 0.2  # of the way to its middle that a side reaches under the top
 _INSET = 0.75  # distance of a shade from the outline [pixels]
@@ -126,7 +126,7 @@ class Solids(NamedTuple):
 
     Attributes:
         paths: outlines to fill, in the order of painting [pixels].
-        colors: of each (F, 4), RGBA from 0 to 1.
+        colours: of each (F, 4), RGBA from 0 to 1.
         low, high: corners of boxes (N, 2) that together hold it [pixels].
     """
 

@@ -125,7 +125,7 @@ def compare_studies(
 
 
 def gives_several_answers(study: Path) -> bool:
-    """Return whether participants gave several answers to an emotion, as far as the results.json of a study says."""
+    """Return whether participants gave several answers to an emotion, as far as the results.json tells."""
     file = study / "results.json" if study.is_dir() else study
     if file.suffix.lower() != ".json":
         return False

@@ -33,7 +33,7 @@ class Check(NamedTuple):
         passed: whether it works.
         needed: whether emovid fails without it.
         found: the version or size found, or the error.
-        remedy: what to do about it; empty if it works.
+        remedy: steps to fix it; empty if it works.
     """
 
     name: str
@@ -110,7 +110,7 @@ def _videos() -> Iterator[Check]:
     remedy = f"{_REINSTALL} imageio-ffmpeg, and unset IMAGEIO_FFMPEG_EXE if it is set"
     for format in ("mp4", "webm", "gif"):
         check = _tried(format, format == "mp4", partial(_render, format), remedy)
-        is_other = not check.passed and "ffmpeg" not in check.found  # a missing package or folder, say
+        is_other = not check.passed and "ffmpeg" not in check.found  # for example a missing package or folder
         yield check._replace(remedy="see the other checks: ffmpeg is not at fault") if is_other else check
 
 

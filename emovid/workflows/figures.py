@@ -136,7 +136,7 @@ def make_figures(plan: FigurePlan, done: Callable[[str], None], *, force: bool) 
 
 
 def study_results(source: Path | None) -> FigureData:
-    """Return what figures show of a study: of results in a file or folder, or of the reference study.
+    """Return the data of a study for figures: from results in a file or folder, or of the reference study.
 
     Raises:
         InputError: if the file holds no results.

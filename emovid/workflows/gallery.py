@@ -32,7 +32,7 @@ def gallery(material: Material, entries: Sequence[Entry], done: Callable[[str], 
     """Return the HTML page with all shipped scenes and some figures.
 
     Args:
-        material: what they are made from.
+        material: inputs of the figures.
         entries: the figures, of the catalog.
         done: called with the name of each finished video and figure.
     """

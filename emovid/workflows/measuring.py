@@ -41,7 +41,7 @@ def chosen_descriptors(only: str | None) -> list[str]:
     """Return the descriptors of names, or beginnings of names, with commas between, in their order; all for None.
 
     Raises:
-        InputError: for a word that is no beginning of a name.
+        InputError: for a word that does not begin a name.
     """
     if only is None:
         return list(DESCRIPTORS)

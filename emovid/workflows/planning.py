@@ -102,10 +102,10 @@ def plan_text(found: Planned | Sequential) -> str:
 
 @dataclass(frozen=True)
 class Rehearsal:
-    """How simulated participants answer.
+    """Answers of simulated participants.
 
     Attributes:
-        participants: how many.
+        participants: number of participants.
         accuracy: probability of a right answer; `ACCURACY` if None.
         matrix: confusion matrix to answer by instead; or None.
         bias: "LABEL=WEIGHT" of labels among wrong answers.

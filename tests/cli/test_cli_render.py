@@ -90,7 +90,7 @@ def test_folder_with_other_files_is_not_replaced_by_a_sequence(capsys) -> None:
     Path("videos/anger/thesis.txt").write_text("mine")
     assert render("--emotion", "anger", "--format", "png-sequence") == 2
     said = capsys.readouterr().err
-    assert said == "videos/anger: holds thesis.txt, which is no picture of a sequence; expected a new folder\n"
+    assert said == "videos/anger: holds thesis.txt, which is not a picture of a sequence; expected a new folder\n"
     assert names(Path("videos/anger")) == ["thesis.txt"]
 
 
@@ -363,7 +363,7 @@ def test_quiet_prints_nothing(capsys) -> None:
         ([], ONE_SCENE),
         (["--emotion", "angr"], f"--emotion angr: expected one of {SIX} (did you mean anger?)"),
         (["anger", "--emotion", "fear"], ONE_SCENE),
-        (["--all", "--emotion", "fear"], "--all means the six emotions: no scene goes with it"),
+        (["--all", "--emotion", "fear"], "--all renders the six emotions and takes no scene"),
         (["--all", "-o", "x.mp4"], "-o x.mp4: is one file; expected a folder for 6 videos"),
         (["fear", "-o", "x.mov"], "-o x.mov: cannot write .mov; expected .mp4, or a folder"),
         (["fear", "-o", "x.webm", "--format", "gif"], "-o x.webm: cannot write .webm; expected .gif, or a folder"),
@@ -381,7 +381,7 @@ def test_quiet_prints_nothing(capsys) -> None:
         (["sadness", "--overlay", "density"], "--overlay density: video.overlays.density: true: a contour behaviour "
                                               "has no density to show"),
         (["fear", "--set", "video.trails.seconds=null", "--set", "video.trails.fade=true"],
-         "--set video.trails.fade=true: video.trails.fade: true: a trail that stays for ever cannot fade; expected a "
+         "--set video.trails.fade=true: video.trails.fade: true: a permanent trail cannot fade; expected a "
          "number for seconds"),
         (["fear", "--speed", "0"], "--speed 0: video.speed: 0: expected at least 0.01"),
         (["fear", "--to", "16"], "--to 16: video.end: 16: expected at most the duration of the run, 15"),

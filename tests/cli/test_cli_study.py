@@ -240,7 +240,7 @@ def test_inferred_participant_column_is_reported(tmp_path, capsys) -> None:
     (tmp_path / "x.csv").write_text("\n".join([lines[0].replace("participant", "Code"), *lines[1:]]))
     assert main(["study", "analyze", "x.csv"]) == 0
     said = " ".join(capsys.readouterr().out.split())
-    note = "x.csv: participants are told apart by 'Code': each of its 45 values answers all 6 videos once"
+    note = "x.csv: participants are identified by 'Code': each of its 45 values answers all 6 videos once"
     origin = "RECONSTRUCTED: these are not the answers of real participants"  # the reference study marks its rows so
     assert said.startswith(f"x.csv: long table, 45 participants {note} {origin} signaled emotion")
     assert said.count(note) == 2  # among the warnings, too

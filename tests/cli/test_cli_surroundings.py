@@ -215,7 +215,7 @@ def test_truncated_run_is_refused_by_name(part, problem, capsys) -> None:
         kept = {name: array[part] if array.ndim else array for name, array in arrays.items()}
     np.savez("cut.npz", **kept)
     assert main(["render", "cut.npz", "-o", "cut.mp4"]) == 2
-    assert capsys.readouterr().err == f"cut.npz: not a whole run: {problem}\n"
+    assert capsys.readouterr().err == f"cut.npz: not a complete run: {problem}\n"
 
 
 def test_csv_of_a_run_is_not_read_as_a_scene(capsys) -> None:

@@ -135,7 +135,7 @@ def test_command_reports_as_json(arguments, name, failed, capsys) -> None:
     [
         (["check-platform", "angr"], "angr: no such file or emotion (did you mean anger?)"),
         (["check-platform", "anger", "-p", "robotarum"], "robotarium-today (did you mean robotarium?)"),
-        (["render", "my.yaml", "--platform", "robotarium"], "--platform robotarium: my.yaml is no emotion"),
+        (["render", "my.yaml", "--platform", "robotarium"], "--platform robotarium: my.yaml is not an emotion"),
     ],
 )  # fmt: skip
 def test_invalid_input_gives_a_one_line_message(arguments: list[str], words: str, capsys) -> None:

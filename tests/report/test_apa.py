@@ -126,7 +126,7 @@ def test_all_answers_together() -> None:
 def test_only_tests_have_a_sentence() -> None:
     assert apa.has_sentence(Pair)
     assert not apa.has_sentence(str)
-    with pytest.raises(TypeError, match="str is no test"):
+    with pytest.raises(TypeError, match="str is not a test"):
         apa.sentence("x")
 
 

@@ -151,7 +151,7 @@ def test_surveymonkey_file_without_second_header_is_read_and_without_rows_refuse
     (tmp_path / "key.csv").write_text(KEY)
     found = read_responses(tmp_path / "one.csv", tmp_path / "key.csv")
     assert (found.counts().tolist(), found.sources[0].dialect) == (COUNTS, "SurveyMonkey")
-    with pytest.raises(SourceError, match=r"none.csv:1: headers alone; expected a row for each respondent"):
+    with pytest.raises(SourceError, match=r"none.csv:1: only headers; expected a row for each respondent"):
         read_responses(tmp_path / "none.csv", tmp_path / "key.csv")
 
 

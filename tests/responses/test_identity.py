@@ -72,14 +72,14 @@ def test_unique_identifying_column_is_used_and_reported(read, name) -> None:
     assert found.counts().tolist() == COUNTS
     assert found.participants.index.tolist() == list(PEOPLE)
     assert list(found.participants) == ["sex"]
-    said = f"participants are told apart by '{name}': each of its 8 values answers all 6 videos once"
+    said = f"participants are identified by '{name}': each of its 8 values answers all 6 videos once"
     assert note_of(found) == said
 
 
 def test_two_identifying_columns_require_a_choice_in_the_map(read, refusal) -> None:
     rows = long("Code", "mail")
     assert refusal(rows) == (
-        "x.csv:1: no known column tells participants apart, and 'Code' or 'mail' may; expected map.yaml: participant: "
+        "x.csv:1: no known column identifies participants, and 'Code' or 'mail' may; expected map.yaml: participant: "
         "Code, or each row if no two are one person's (emovid study columns writes a map)"
     )
     assert read(rows, "participant: mail\n").participants.index.tolist() == [f"mail{i}" for i in range(8)]
@@ -98,12 +98,10 @@ def test_proposed_map_names_the_likely_participant_column(read, refusal, tmp_pat
     rows = long("Code", "mail", every=2)
     refusal(rows)
     offered = describe_columns(tmp_path / "x.csv", tmp_path / "key.txt")
-    assert "no known column tells participants apart" in offered.problem
+    assert "no known column identifies participants" in offered.problem
     roles = {column.name: column.role for column in offered.columns}
     assert roles == {"swarm": "video?", "felt": "answer?", "sure": "", "sex": "", "Code": "participant?", "mail": ""}
-    assert offered.map_yaml.startswith(
-        "# To decide: no known column tells participants apart, and 'Code' or 'mail' may"
-    )
+    assert offered.map_yaml.startswith("# To decide: no known column identifies participants, and 'Code' or 'mail' may")
     assert "\nparticipant: Code\nvideo: swarm\nresponse: felt\nanswers:\n" in offered.map_yaml
     assert len(read(rows, offered.map_yaml).participants) == 8
     (tmp_path / "map.yaml").write_text("participant: kode\n")
@@ -121,11 +119,11 @@ def test_description_shows_participants_although_reading_fails(read, refusal, tm
 def test_rows_without_repeats_are_one_participant_each_with_a_note(read) -> None:
     found = read(long(""))
     assert (len(found.participants), found.counts().tolist()) == (48, COUNTS)
-    assert note_of(found) == "no known column tells participants apart: each row is taken as another person's"
+    assert note_of(found) == "no known column identifies participants: each row is taken as another participant"
     numbered = [[*row, str(i) if i else "id"] for i, row in enumerate(long(""))]
     found = read(numbered)
     assert len(found.participants) == 48
-    assert note_of(found) == "'id' differs in each row: each row is taken as another person's"
+    assert note_of(found) == "'id' differs in each row: each row is taken as another participant"
     assert note_of(read(numbered, "participant: id\n")) == ""
 
 
@@ -155,7 +153,7 @@ def test_table_with_the_answers_of_one_person_is_one_participant(read, tmp_path)
     rows = long("")
     found = read(rows[:7], file="P01.csv")
     assert found.participants.index.tolist() == ["P01"]
-    assert "all answers are taken as one person's" in note_of(found)
+    assert "all answers are taken as those of one person" in note_of(found)
     paths = []
     for i in range(8):
         paths.append(tmp_path / f"{i}.csv")
@@ -163,7 +161,7 @@ def test_table_with_the_answers_of_one_person_is_one_participant(read, tmp_path)
     together = read_responses(paths, tmp_path / "key.txt")
     assert (len(together.participants), together.counts().tolist()) == (8, COUNTS)
     (note,) = together.notes()
-    assert note.startswith(f"{tmp_path / '0.csv'} and 7 more: no column tells participants apart, and no video")
+    assert note.startswith(f"{tmp_path / '0.csv'} and 7 more: no column identifies participants, and no video")
     assert len(read(rows[:7], "participant: each row\n").participants) == 6
 
 
@@ -182,9 +180,9 @@ def test_groups_and_measures_do_not_identify_participants(read) -> None:
     two = [row for row in long("") if row[0] == "swarm" or float(row[2]) < 0.24]  # a woman's answers and a man's
     assert len({row[3] for row in two[1:]}) == 2
     found = read([[*row, "4" if i else "Schule"] for i, row in enumerate(two)])
-    assert note_of(found) == "no known column tells participants apart: each row is taken as another person's"
+    assert note_of(found) == "no known column identifies participants: each row is taken as another participant"
     found = read([[*row, row[3] if i else "Geschlecht"] for i, row in enumerate(two)], "groups: {g: Geschlecht}\n")
-    assert note_of(found) == "no known column tells participants apart: each row is taken as another person's"
+    assert note_of(found) == "no known column identifies participants: each row is taken as another participant"
 
 
 def test_the_map_names_the_columns_of_videos_and_answers(read, refusal) -> None:
@@ -228,7 +226,7 @@ def test_form_submitted_once_per_video_is_read_by_rows(read, refusal) -> None:
     refusal(rows)
     found = read(rows, "video: swarm\n")
     assert (found.sources[0].dialect, found.counts().tolist()) == ("Google Forms", COUNTS)
-    assert "told apart by 'Code'" in note_of(found)
+    assert "identified by 'Code'" in note_of(found)
     assert "no column holds answers (happiness, surprise, anger, ...); expected map.yaml: response" in refusal(
         [[*row[:2], "?", *row[3:]] for row in rows], "video: swarm\n"
     )

@@ -113,7 +113,7 @@ def test_label_without_a_video_is_a_row_without_a_column(read) -> None:
     assert holm == pytest.approx([2 * (1 - 0.8**2)] * 2)  # 1 of 2 hits at chance 1 / 5, over two videos only
     assert results.recognition["awe"].chance == 1 / 5  # it may still be an answer
     assert not any("missing" in warning or "no answers" in warning for warning in results.warnings)
-    assert "no video stands for sadness, surprise: rows of the matrix without a column" in results.warnings
+    assert "no video shows sadness, surprise: rows of the matrix without a column" in results.warnings
     keyed = read(HEAD + "a,m1,sadness,f\n", "video_code,true_emotion\nm1,awe\nm2,fear\n", labels=labels)
     assert keyed.signalled == ("awe", "fear")  # the key has a video of fear, although it has no answers
     assert "fear: no answers to a video of it" in analyze(keyed).warnings
@@ -123,7 +123,7 @@ def test_labels_without_a_circumplex_position_are_reported(read) -> None:
     found = analyze(read(HEAD + "a,awe,fear,f\na,fear,awe,f\n", labels=["awe", "fear"]))
     said = (*found.warnings, *found.notes)
     assert (
-        "awe: no known place on the circumplex, so there is no figure of it, and tests of valence, arousal and near "
+        "awe: no known position on the circumplex, so there is no figure of it, and tests of valence, arousal and near "
         "neighbors leave them out"
     ) in said
     assert not any("circumplex" in line for line in analyze(read(HEAD + "a,fear,fear,f\n")).warnings)
@@ -296,9 +296,9 @@ def test_files_with_one_participant_each_are_combined(tmp_path) -> None:
          "videos"),
         ('[{"a":', "x.csv: not JSON; expected a list of trials"),
         ("[1, 2]", "x.csv: not a list of trials; expected one as jsPsych writes it"),
-        ('"V1","V2"\n"ResponseID","x"\n', "x.csv:1: headers alone; expected a row for each response"),
+        ('"V1","V2"\n"ResponseID","x"\n', "x.csv:1: only headers; expected a row for each response"),
         ("trial_type,trial_index,stimulus,response\nvideo-button-response,0,anger.mp4,0\nvideo-button-response,0,fear.mp4,1\n",
-         "x.csv:1: no column tells its participants apart; expected map.yaml: participant"),
+         "x.csv:1: no column identifies its participants; expected map.yaml: participant"),
     ],
 )  # fmt: skip
 def test_unreadable_file_gives_a_one_line_message(refusal, text, message) -> None:
@@ -407,7 +407,7 @@ def test_table_of_test_runs_only_is_refused(refusal) -> None:
 
 
 def test_psiturk_questions_without_trials_are_refused(refusal) -> None:
-    assert refusal("w:A,gender,Female\nv:B,gender,Male\n") == "x.csv: no answer in it; expected some"
+    assert refusal("w:A,gender,Female\nv:B,gender,Male\n") == "x.csv: no answers found; expected some"
 
 
 def test_jspsych_answers_may_be_in_a_separate_column(read) -> None:

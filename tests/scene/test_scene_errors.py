@@ -92,7 +92,7 @@ def test_invalid_list_item_is_named_instead_of_a_wrong_count(key, corners, expec
     ("source", "keys", "expected"),
     [
         ("anger", {"video.format": "gif", "video.fps": 60}, "video.fps: 60: expected at most 50 in a gif"),
-        ("anger", {"video.trails.seconds": None}, "video.trails.fade: true: a trail that stays for ever cannot fade"),
+        ("anger", {"video.trails.seconds": None}, "video.trails.fade: true: a permanent trail cannot fade"),
         ("anger", {"robot.l": 1e-7}, "robot.l: 1e-07: expected at least a micrometre, 1e-06"),
         ("robotarium/anger", {"safety.period": 0.02}, "safety.period: 0.02: expected a whole number of times in the"),
         (

@@ -189,7 +189,7 @@ def test_figure_names_of_groups_are_valid_on_all_file_systems() -> None:
 def test_few_answers_give_warnings() -> None:
     said = analyze(responses(np.eye(6, dtype=int) * 4)).warnings
     assert "fear: 0.7 answers a cell are expected, under 5: use the exact p" in said
-    assert "hand: fewer than 5 participants in left, right; read their tests as hints" in said
+    assert "hand: fewer than 5 participants in left, right; interpret their tests with caution" in said
 
 
 def test_group_of_one_participant_is_accepted() -> None:

@@ -8,7 +8,7 @@ from emovid.kit.folder import Kit
 from emovid.responses.labels import NONE, Labels, plain
 from emovid.scene.emotions import EMOTIONS
 
-_WHOLE_WORDS = 4  # shorter words than this are searched as whole words only: "sad" is in "crusade"
+_WHOLE_WORDS = 4  # shorter words than this are searched only as complete words: "sad" is in "crusade"
 
 
 class Finding(NamedTuple):
@@ -17,7 +17,7 @@ class Finding(NamedTuple):
     Attributes:
         check: name of the check.
         where: a file, or a part of one.
-        message: the defect, without emotions, so that the person who audits can stay blind.
+        message: the defect, without emotions, so that the auditor can stay blind.
         emotions: the emotions that it reveals.
     """
 

@@ -38,7 +38,7 @@ class Support:
 
 @dataclass(frozen=True)
 class DesignPart:
-    """A part of the design of a kit, and what a tool does with it."""
+    """A part of the design of a kit, and its support by a tool."""
 
     name: str
     value: str

@@ -39,7 +39,7 @@ _SHOWN = (  # of the manifest
 
 def limits(kit: Kit) -> Limits:
     """Return the parts of the design that jsPsych does not carry as they are."""
-    seen = changed("It is in the page: everybody who reads its source sees it, also without taking part.")
+    seen = changed("It is in the source of the page, where anyone can read it without taking part.")
     found = {
         CODE: seen,
         LINK: seen,
@@ -61,7 +61,7 @@ def jspsych(kit: Kit) -> Files:
     manifest = kit.manifest
     public = manifest.model_dump(mode="json", include=set(_SHOWN))
     shown = {"choice_orders": kit.choices} | {key: public[key] for key in _SHOWN}
-    # Codes come last, far from the labels, and first in an order that says nothing.
+    # Codes come last, far from the labels, and in an uninformative order.
     shown |= {
         "parameters": manifest.recruitment.names if manifest.recruitment else (),
         "practice": manifest.practice.file if manifest.practice else None,

@@ -58,7 +58,7 @@ _OF_ANSWERS = (*dict.fromkeys((*_RATINGS, "rt", "plays", "watched_seconds", "cho
 
 @dataclass(frozen=True)
 class _Data:
-    """Answers for publication, and a list of what was taken out."""
+    """Answers for publication, and a list of removed data."""
 
     table: pd.DataFrame
     removed: tuple[str, ...]
@@ -106,7 +106,7 @@ def _csv(table: pd.DataFrame) -> str:
 
 
 def _published(kit: Kit, responses: Responses) -> _Data:
-    """Return each answer with what was recorded, under pseudonyms and without free text."""
+    """Return each answer with its recorded data, under pseudonyms and without free text."""
     answers = responses.answers.rename(columns=_NAMES)[list(_NAMES.values())].reset_index(drop=True)
     recorded = _recorded(responses).reset_index(drop=True)
     groups, typed = _without_free_text(responses.participants, _questions(kit))
@@ -122,7 +122,7 @@ def _published(kit: Kit, responses: Responses) -> _Data:
 
 
 def _without_free_text(people: pd.DataFrame, questions: tuple[Question, ...]) -> tuple[pd.DataFrame, list[str]]:
-    """Return the groups of participants without what they typed or what identifies them, and a list of the removed."""
+    """Return the groups of participants without typed or identifying text, and a list of removed data."""
     known = {item.name: item for item in questions}
     kept, removed = people.copy(), []
     for name in map(str, people):
@@ -160,7 +160,7 @@ def _is_free_text(question: Question) -> bool:
 
 
 def _pseudonyms(kit: Kit, names: list[str]) -> Mapping[str, str]:
-    """Return a pseudonym for each name that is none of the kit's, in an order that the names do not decide."""
+    """Return a pseudonym for each name that is not from the kit, in an order independent of the names."""
     salt = kit.folder.salt.read_bytes() if kit.folder.salt.is_file() else secrets.token_bytes(32)
     others = [name for name in names if name not in kit.orders]
     others.sort(key=lambda name: hashlib.sha256(salt + name.encode()).digest())
@@ -168,7 +168,7 @@ def _pseudonyms(kit: Kit, names: list[str]) -> Mapping[str, str]:
 
 
 def _recorded(responses: Responses) -> pd.DataFrame:
-    """Return what the exports recorded with each answer: ratings, times, plays, choices, row of the orders."""
+    """Return the data recorded with each answer: ratings, times, plays, choices, row of the orders."""
     found = pd.DataFrame(index=responses.answers.index)
     if responses.places.empty:
         return found
@@ -202,7 +202,7 @@ def _cells_beside(table: Table, row: int, video: str) -> dict[str, str]:
 
 
 def _cells_of_person(table: Table, rows: list[int], who: str) -> dict[str, str]:
-    """Return the cells that a file records once for a participant, in a row of theirs or of a file of their own."""
+    """Return the cells recorded once per participant, in a separate row or file."""
     theirs = [place for place in range(len(table.names)) if rows and all(table.cells[place].iloc[rows] == who)]
     mask = np.ones(len(table.lines), dtype=bool)
     if theirs:

@@ -139,7 +139,7 @@ def _check(check: PublicCheck, video_url: str) -> str:
 
 
 def _returns(kit: Kit) -> str:
-    """Return the codes and links for who declines and who fails an attention check."""
+    """Return the codes and links for participants who decline or fail an attention check."""
     cases = {"who declines": kit.server.declined, "who fails a check": kit.server.failed}
     return "; ".join(f"{who}: {back.code or ''} {back.link or ''}".strip() for who, back in cases.items())
 

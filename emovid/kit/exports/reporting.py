@@ -150,7 +150,7 @@ def _blinding(manifest: Manifest, study: Study) -> str:
 
 
 def _orders(kit: Kit) -> str:
-    """Return who sees what in which order, with the balance that the planned orders have."""
+    """Return the orders of the videos for participants, with the balance of the planned orders."""
     manifest, sets = kit.manifest, sets_of(kit.orders.values())
     shown = f"Every participant sees every video once, {manifest.videos_shown} in all."
     if len(sets) > 1:

@@ -163,7 +163,7 @@ _LABJS_TOOL = (
 
 
 def recognizes_labjs(table: Table, _: Known) -> bool:
-    """Return whether a table tells of each row which screen sent it."""
+    """Return whether a table names the screen of each row."""
     return {"sender", "sender_type"} <= set(table.names)
 
 

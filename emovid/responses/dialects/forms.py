@@ -84,7 +84,7 @@ def read_surveymonkey(table: Table, known: Known) -> ParsedExport:
     if not table.row(0)[ids[0]]:  # the second header row
         table = _condensed(table.with_texts(1))
     if not len(table.lines):
-        raise SourceError(table.file, "headers alone; expected a row for each respondent", 1)
+        raise SourceError(table.file, "only headers; expected a row for each respondent", 1)
     return read_wide(table, known, *_MONKEY[:2], skip=_MONKEY)
 
 

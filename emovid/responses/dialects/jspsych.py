@@ -36,7 +36,7 @@ def read(table: Table, known: Known) -> ParsedExport:
     table = without_word(table, "null")
     people = who(table, known, *PARTICIPANT, by_file=True)
     if people.place is None and not known.mapping.participant and _is_shared(table):
-        raise SourceError(table.file, "no column tells its participants apart; expected map.yaml: participant", 1)
+        raise SourceError(table.file, "no column identifies its participants; expected map.yaml: participant", 1)
     pairs: list[tuple[str, str, str]] = []
     for name in _SURVEYS:
         if name in table.names:
@@ -59,7 +59,7 @@ def _shows_video(rows: Table, _: int, recognized: Column) -> Column:
 
 
 def without_word(table: Table, word: str) -> Table:
-    """Return the table without cells that hold only a tool's word for nothing."""
+    """Return the table without cells that hold only the word of a tool for an empty value."""
     return replace(table, cells=table.cells.mask(table.cells == word, ""))
 
 

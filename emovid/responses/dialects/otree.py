@@ -67,7 +67,7 @@ def _tool(table: Table) -> list[int]:
 
 
 def _in_rounds(table: Table) -> list[int]:
-    """Return the fields of apps of several rounds, which differ between rounds and so are no groups."""
+    """Return the fields of apps of several rounds, which differ between rounds and are therefore not groups."""
     return [place for rounds in _apps(table) for fields in rounds.values() for place in fields.values()]
 
 

@@ -82,7 +82,7 @@ def _video_of_trial(table: Table, known: Known, submission: Column) -> Column:
     named = pd.concat([_cells(table, _NAME), _cells(table, _VALUE)]).reset_index(drop=True)
     codes = translated(named, lambda text: known.code(text) if known.emotion(text) else "")
     pairs = pd.DataFrame({"trial": pd.concat([trials, trials]).to_numpy(), "code": codes})
-    if not known.codes:  # the names of answers are emotions, too: elements that are videos alone tell
+    if not known.codes:  # the names of answers are emotions, too: only elements that are videos count
         is_video = (_cells(table, _ELEMENT) == "Video").to_numpy()
         pairs = pairs[[*is_video, *([False] * len(is_video))]]
     pairs = pairs[pairs["code"] != ""].drop_duplicates()

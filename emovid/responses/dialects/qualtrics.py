@@ -47,7 +47,7 @@ def read(table: Table, known: Known) -> ParsedExport:
     """Read one row for each response; previews, tests, spam and unfinished ones are left out."""
     headers = _headers(table)
     if len(table.lines) <= headers:
-        raise SourceError(table.file, "headers alone; expected a row for each response", 1)
+        raise SourceError(table.file, "only headers; expected a row for each response", 1)
     table = table.with_texts(headers) if headers else table
     people = {
         "preview": says(table, _PREVIEW, "Status", "Response Type"),

@@ -22,7 +22,7 @@ _LIMESURVEY = (
     ("refurl", "referrer url"),
     ("interviewtime", "total time", "gesamtzeit"),
 )
-# Questions of a survey that `study export --to limesurvey` made: they are no groups.
+# Questions of a survey that `study export --to limesurvey` made: they are not groups.
 _KIT = ("consent", "instructions", "practice", "videoset")
 _KIT_NAME = re.compile(r"[a-z][a-z0-9]*(U[a-z0-9]*)+")
 _SOSCI = (
@@ -143,7 +143,7 @@ def read_redcap(table: Table, known: Known) -> ParsedExport:
 
 
 def _instruments(table: Table, known: Known) -> set[int]:
-    """Return the columns that tell whether an instrument with answers is complete: each follows its questions."""
+    """Return the columns that mark an instrument with answers as complete: each follows its questions."""
     complete = [i for i, name in enumerate(table.names) if name.endswith("_complete") or name.startswith("Complete?")]
     if len(complete) < 2:
         return set(complete)
