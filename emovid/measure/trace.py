@@ -2,9 +2,9 @@
 
 A robot's commands can turn far more than its trace: it may spin on the spot, or move to and fro by micrometers. The
 trace is therefore divided into visible steps: each step ends where the path first leaves the circle about the start of
-the step. Motion within a circle does not count, and the steps do not depend on the control period or the frame rate. This
-is the rediscretised path of P. Bovet and S. Benhamou, "Spatial analysis of animals' movements using a correlated random
-walk model", J. Theor. Biol. 131(4), 1988. All turning is turning between its steps.
+the step. Motion within a circle does not count, and the steps do not depend on the control period or the frame rate.
+This is the rediscretised path of P. Bovet and S. Benhamou, "Spatial analysis of animals' movements using a correlated
+random walk model", J. Theor. Biol. 131(4), 1988. All turning is turning between its steps.
 
 The step is a sixth of the body's width (`Window.step`). A corner turns by more than 60 degrees within two steps, a
 third of a body: a curve turns as much only if its radius is below a third of the body, too tight to look round. A
