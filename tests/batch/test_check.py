@@ -49,7 +49,7 @@ def test_unchanged_results_are_current(folder) -> None:
 
 def test_missing_stale_and_corrupt_results_are_distinguished(folder) -> None:
     (folder / "v.mp4").unlink()
-    (folder / "t.npz").write_bytes(b"spoilt")
+    (folder / "t.npz").write_bytes(b"damaged")
     versions = json.loads((folder / "manifest.json").read_text())["measurements"]["m"]["versions"]
     record(folder, "measurements", "m", versions=versions | {"numpy": "1.0"})
     found = {result.name: result for result in status(folder)}

@@ -61,7 +61,7 @@ def test_sheet_is_rebuilt_only_when_its_pictures_change(draw) -> None:
     assert draw("seeds: 2").stat().st_mtime == 0
     assert draw("seeds: [2, 3]").stat().st_mtime > 0
     shown = file.read_bytes()
-    file.write_bytes(b"spoilt")
+    file.write_bytes(b"damaged")
     assert draw("seeds: [2, 3]").read_bytes() == shown
 
 

@@ -7,7 +7,7 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from tests.helpers.faults import SIGNALS, VICTIMS, at_random, lasting, spoilt
+from tests.helpers.faults import SIGNALS, VICTIMS, at_random, lasting, damaged
 from tests.helpers.memory import SIZES, peak
 from tests.helpers.sweeps import DaskTrials, Made, five_hundred
 from tests.helpers.trial import NAMES, Fault, reference_run, try_fault
@@ -56,7 +56,7 @@ def _trials(folder: Path, moments: int, rng: random.Random) -> Iterator[Row]:
     for fault in lasting():
         yield _tried(fault, reference, seconds)
     for i in range(_SPOILT):
-        yield _tried(spoilt(rng, "manifest.json" if i % 2 else rng.choice(NAMES)), reference, seconds)
+        yield _tried(damaged(rng, "manifest.json" if i % 2 else rng.choice(NAMES)), reference, seconds)
 
 
 def _tried(fault: Fault, reference: Path, seconds: float) -> Row:
@@ -70,7 +70,7 @@ def _faults(rows: list[Row], seed: int) -> str:
         cells.append((name, len(found), sum(found)))
     total = sum(len(violations) for _, violations in rows)
     cells.append((f"**all** (seed {seed})", f"**{len(rows)}**", f"**{total}**"))
-    return _table("| fault | tried | violations |\n|---|---:|---:|", cells)
+    return _table("| fault | trials | violations |\n|---|---:|---:|", cells)
 
 
 def _sweeps(made: list[Made]) -> str:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.helpers.faults import SIGNALS, VICTIMS, at_random, lasting, spoilt, with_ffmpeg
+from tests.helpers.faults import SIGNALS, VICTIMS, at_random, lasting, damaged, with_ffmpeg
 from tests.helpers.trial import Fault, reference_run, try_fault
 
 SEED = 20210321
@@ -22,7 +22,7 @@ CHOSEN = (  # tests/video/test_encoder.py has more of them, for one video
     "a closed stderr",
     "two runs in containers with equal process numbers",
 )
-FAULTS = [*(LASTING[name] for name in CHOSEN if name in LASTING), spoilt(RNG, "manifest.json"), *MOMENTS]
+FAULTS = [*(LASTING[name] for name in CHOSEN if name in LASTING), damaged(RNG, "manifest.json"), *MOMENTS]
 
 
 @pytest.fixture(scope="module")

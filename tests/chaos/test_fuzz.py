@@ -53,7 +53,7 @@ WORDS = st.sampled_from(
 
 
 @st.composite
-def spoilt(draw, texts: list[str]) -> str:
+def damaged(draw, texts: list[str]) -> str:
     """Draw one of the texts with some of its lines removed, doubled, moved, or changed."""
     lines = draw(st.sampled_from(texts)).splitlines()
     for _ in range(draw(st.integers(0, 4))):
@@ -100,7 +100,7 @@ SCENES = [shipped_scene(emotion).read_text() for emotion in EMOTIONS]
 ANY = [HealthCheck.too_slow, HealthCheck.data_too_large]
 
 
-@given(spoilt(SCENES) | st.text(max_size=40))
+@given(damaged(SCENES) | st.text(max_size=40))
 @settings(max_examples=EXAMPLES, suppress_health_check=ANY)
 def test_any_scene_gives_a_video_or_a_one_line_message(text) -> None:
     with tempfile.TemporaryDirectory() as folder:
@@ -163,7 +163,7 @@ def test_too_long_file_name_gives_a_one_line_message(command, capsys) -> None:
     assert said.count("\n") == 1
 
 
-@given(spoilt([SWEEP]) | st.text(max_size=40))
+@given(damaged([SWEEP]) | st.text(max_size=40))
 @settings(max_examples=EXAMPLES, suppress_health_check=ANY)
 def test_any_sweep_gives_a_table_or_a_one_line_message(text) -> None:
     with tempfile.TemporaryDirectory() as folder:

@@ -72,7 +72,7 @@ def test_format_follows_the_output_suffix_or_the_option(capsys, arguments, expec
 def test_sequence_with_a_damaged_picture_is_rendered_again(capsys) -> None:
     render("--emotion", "anger", "--format", "png-sequence")
     before = Path("videos/anger/00002.png").read_bytes()
-    Path("videos/anger/00002.png").write_bytes(b"spoilt")
+    Path("videos/anger/00002.png").write_bytes(b"damaged")
     capsys.readouterr()
     assert render("--emotion", "anger", "--format", "png-sequence") == 0
     assert "[1/1] videos/anger: 5 frames" in capsys.readouterr().err
@@ -138,12 +138,12 @@ def test_current_videos_are_not_rendered_again(capsys) -> None:
     "spoil",
     [
         lambda: Path("videos/anger.mp4").unlink(),
-        lambda: Path("videos/anger.mp4").write_bytes(b"spoilt"),
+        lambda: Path("videos/anger.mp4").write_bytes(b"damaged"),
         lambda: Path("videos/manifest.json").unlink(),
         lambda: Path("videos/manifest.json").write_text("{not json"),
         lambda: Path("videos/manifest.json").write_text('{"videos": [1]}'),
     ],
-    ids=["video lost", "video spoilt", "manifest lost", "manifest spoilt", "manifest of another kind"],
+    ids=["video lost", "video damaged", "manifest lost", "manifest damaged", "manifest of another kind"],
 )
 def test_missing_or_damaged_videos_are_rendered_again(spoil) -> None:
     render("--emotion", "anger")

@@ -37,7 +37,7 @@ def test_each_problem_gives_one_line_and_exit_code_1(capsys) -> None:
 
 
 def test_rebuilding_reports_corrupt_files_as_hashes_do(capsys) -> None:
-    Path("videos/fear.mp4").write_bytes(b"spoilt")
+    Path("videos/fear.mp4").write_bytes(b"damaged")
     assert main(["verify", "videos"]) == 1
     by_hash = capsys.readouterr().out
     assert by_hash.startswith("corrupt: fear.mp4")

@@ -75,7 +75,7 @@ def test_current_results_are_kept_also_in_a_copied_folder(capsys) -> None:
     assert contents("b") == before
 
 
-@pytest.mark.parametrize("spoil", [Path.unlink, lambda path: path.write_bytes(b"spoilt")])
+@pytest.mark.parametrize("spoil", [Path.unlink, lambda path: path.write_bytes(b"damaged")])
 def test_only_missing_or_damaged_items_are_made(capsys, spoil) -> None:
     sweep("-o", "a", "--jobs", 1)
     before = contents("a")

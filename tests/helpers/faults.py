@@ -143,7 +143,7 @@ def _stale_files(trial: Trial) -> None:
     _in_peace(trial)
 
 
-def spoilt(rng: random.Random, name: str) -> Fault:
+def damaged(rng: random.Random, name: str) -> Fault:
     """Return the fault of a file that changes between two runs: truncated, or with other bytes."""
 
     def inject(trial: Trial) -> None:
@@ -158,7 +158,7 @@ def spoilt(rng: random.Random, name: str) -> Fault:
         path.write_bytes(data)
         _in_peace(trial)
 
-    return Fault(f"a spoilt {'manifest' if name.endswith('.json') else 'video'}", inject)
+    return Fault(f"a damaged {'manifest' if name.endswith('.json') else 'video'}", inject)
 
 
 _IMPATIENT = "import emovid.video.ffmpeg as ffmpeg; ffmpeg.IDLE_TIMEOUT = 0.3"

@@ -81,7 +81,7 @@ def test_file_that_is_not_a_run_is_refused(tmp_path, content) -> None:
 
 @given(st.lists(st.tuples(st.integers(0, 10_000), st.integers(0, 255)), min_size=1, max_size=3))
 def test_damaged_run_loads_completely_or_is_refused(run, tmp_path_factory, changes) -> None:
-    file = tmp_path_factory.getbasetemp() / "spoilt.npz"
+    file = tmp_path_factory.getbasetemp() / "damaged.npz"
     save_trajectory(run, file)
     content = bytearray(file.read_bytes())
     for place, byte in changes:
