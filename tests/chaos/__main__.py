@@ -7,7 +7,7 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from tests.helpers.faults import SIGNALS, VICTIMS, at_random, lasting, damaged
+from tests.helpers.faults import SIGNALS, VICTIMS, at_random, damaged, lasting
 from tests.helpers.memory import SIZES, peak
 from tests.helpers.sweeps import DaskTrials, Made, five_hundred
 from tests.helpers.trial import NAMES, Fault, reference_run, try_fault

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.helpers.faults import SIGNALS, VICTIMS, at_random, lasting, damaged, with_ffmpeg
+from tests.helpers.faults import SIGNALS, VICTIMS, at_random, damaged, lasting, with_ffmpeg
 from tests.helpers.trial import Fault, reference_run, try_fault
 
 SEED = 20210321
