@@ -23,7 +23,7 @@ SHAPE = (
     *series(
         "hull_area_share",
         "share",
-        "area of the convex hull of the robots' centres over the stage's, 0 if they are on a line",
+        "area of the convex hull of the robots' centers over that of the stage, 0 if they are on a line",
     ),
     Descriptor(
         "hull_circularity",
@@ -40,7 +40,9 @@ SHAPE = (
 )
 
 CROWDING = (
-    *series("nearest_neighbour", "m", "distance of a robot's centre from the nearest other, mean over robots"),
+    *series(
+        "nearest_neighbour", "m", "distance between the centers of a robot and its nearest neighbor, mean over robots"
+    ),
     Descriptor(
         "polarisation",
         "1",
@@ -55,9 +57,9 @@ CROWDING = (
         "over time: 1 for a ring that turns",
         _ORDER,
     ),
-    *series("distance_to_centre", "m", "distance of a robot's centre from the stage's centroid, mean over robots"),
+    *series("distance_to_centre", "m", "distance of a robot's center from the stage's centroid, mean over robots"),
     *series(
-        "distance_to_boundary", "m", "distance of a robot's centre from the stage's nearest edge, mean over robots"
+        "distance_to_boundary", "m", "distance of a robot's center from the nearest edge of the stage, mean over robots"
     ),
 )
 

@@ -112,10 +112,10 @@ CLAIMS = (
         Quantity("speed_peak", tuple(name for name in EMOTIONS if name != "sadness")),
         _only("speed_peak", "sadness"),
         3.0,
-        reason="'very slow' beside 'slow' is a further step of the same size or more",
+        reason="'very slow' compared with 'slow' is a further step of the same size or more",
     ),
     Claim(
-        "the slow ones cover less than a twelfth of the stage's diagonal in a second",
+        "the slow emotions cover less than a twelfth of the stage's diagonal in a second",
         "Table II: slow",
         1 / 12,
         Quantity("speed_mean_diagonals", SLOW),
@@ -164,7 +164,7 @@ CLAIMS = (
     ),
     # Angularity and smoothness
     Claim(
-        "fear, disgust and anger turn more per metre than the others",
+        "fear, disgust and anger turn more per meter than the others",
         "Table II: angular; Figs. 6 to 8; Table I: negative valence, angular trace",
         Quantity("turning_per_metre", ANGULAR),
         Quantity("turning_per_metre", SMOOTH),
@@ -186,7 +186,7 @@ CLAIMS = (
         reason="less than one corner in fifty body widths of trace",
     ),
     Claim(
-        "happiness, surprise and sadness bend smoothly: no turn tighter than a circle with a body's width for a radius",
+        "happiness, surprise and sadness bend smoothly: no turn tighter than a circle with a radius of a body width",
         "Table II: smooth; Figs. 3 to 5",
         2 / 3,
         Quantity("largest_turn", SMOOTH),
@@ -230,7 +230,7 @@ CLAIMS = (
         reason="'specially' angular: twice as many",
     ),
     Claim(
-        "anger is the most angular of all along its trace, too: it turns most per metre in steps of 2/3 of a body",
+        "anger is the most angular of all along its trace, too: it turns most per meter in steps of 2/3 of a body",
         "Sec. III-B, Fig. 8",
         _only("coarse_turning", "anger"),
         Quantity("coarse_turning", tuple(name for name in EMOTIONS if name != "anger")),
@@ -247,7 +247,7 @@ CLAIMS = (
         reason="'least' with a small margin",
     ),
     Claim(
-        "anger overshoots the places it heads for in more than a fifth of its periods",
+        "anger overshoots its targets in more than a fifth of its periods",
         "Fig. 8: overshoots",
         _only("overshoot_share", "anger"),
         0.2,
@@ -258,14 +258,14 @@ CLAIMS = (
         "Sec. III-A: a heated environment, a riot",
         _only("liveliness", "anger"),
         0.5,
-        reason="a lull to below half would look like calm",
+        reason="a second below half of it would look calm",
     ),
     Claim(
-        "anger never repeats itself: no two states a few periods apart are alike within a centimetre",
+        "anger never repeats itself: no two states a few periods apart are equal within a centimeter",
         "Fig. 16a: robots react to each other's movement",
         _only("recurrence", "anger"),
         0.01,
-        reason="within a centimetre, a third of a body, an observer sees the same configuration again",
+        reason="within a centimeter, a third of a body, an observer sees the same configuration again",
     ),
     Claim(
         "surprise is controlled like happiness: its mean speed is more than half of happiness's",
@@ -317,17 +317,17 @@ CLAIMS = (
         "Table II: expanding circle, small circle",
         0.01,
         _only("radius_spread", "surprise", "sadness"),
-        reason="a hundredth of the radius is a few millimetres, less than a visible step",
+        reason="a hundredth of the radius is a few millimeters, less than a visible step",
     ),
     Claim(
-        "happiness is big: more than a fifth of the stage lies within it",
+        "happiness is big: its swarm encloses more than a fifth of the stage",
         "Table I: big",
         _only("hull_area_share_mean", "happiness"),
         0.2,
         reason="a circle of two thirds of the largest possible radius on this stage has a quarter",
     ),
     Claim(
-        "sadness is small: less than a fifteenth of the stage lies within it",
+        "sadness is small: its swarm encloses less than a fifteenth of the stage",
         "Table I: small",
         1 / 15,
         _only("hull_area_share_mean", "sadness"),
@@ -339,7 +339,7 @@ CLAIMS = (
         _only("hull_area_share_end_to_snapshot", "surprise"),
         _only("hull_area_share_end_to_snapshot", "happiness", "sadness"),
         1.2,
-        reason="'very big' beside 'big': a tenth more in radius",
+        reason="'very big' compared with 'big': a tenth more in radius",
     ),
     Claim(
         "surprise grows: its radius more than doubles in 4 s",
@@ -378,7 +378,7 @@ CLAIMS = (
         reason="a swarm that covers less is in a part of the domain",
     ),
     Claim(
-        "fear can be told from disgust at once: its swarm starts larger",
+        "fear differs from disgust at once: its swarm starts larger",
         "Sec. III-A: within the domain, from the center",
         _only("radius_of_gyration_start", "fear"),
         _only("radius_of_gyration_start", "disgust"),
@@ -386,7 +386,7 @@ CLAIMS = (
         reason="a third larger in radius is almost twice as large in area",
     ),
     Claim(
-        "fear scatters: the distance of nearest neighbours grows by more than a third",
+        "fear scatters: the distance of nearest neighbors grows by more than a third",
         "Sec. III-A, Fig. 6",
         _only("neighbour_gain", "fear"),
         4 / 3,
@@ -400,7 +400,7 @@ CLAIMS = (
         reason="a quarter more cost is a tenth more distance",
     ),
     Claim(
-        "disgust arrives: at 12 s nine tenths of the way down to the converged cost are done",
+        "disgust arrives: at 12 s nine tenths of the decrease to the converged cost are done",
         "Table II: coverage on boundaries; Fig. 7",
         _only("cost_progress_to_snapshot", "disgust"),
         0.9,
@@ -437,7 +437,7 @@ CLAIMS = (
     ),
     Claim(
         "disgust turns away faster than fear spreads",
-        "ours: Sec. III-A gives it animosity, and it must not be fear with another end",
+        "ours: Sec. III-A describes animosity, so it must not equal fear with another end",
         _only("speed_mean", "disgust"),
         _only("speed_mean", "fear"),
         1.5,

@@ -22,7 +22,10 @@ _COST = "locational cost of Cortés et al. 2004, over the density's mass"
 
 CONVERGENCE = (
     Descriptor(
-        "cost_start", "m^2", "mean square distance of the density's mass from its nearest robot, at the start", _COST
+        "cost_start",
+        "m^2",
+        "mean square distance between the mass of the density and its nearest robot, at the start",
+        _COST,
     ),
     Descriptor("cost_end", "m^2", "the same at the window's end", _COST),
     Descriptor(
@@ -37,15 +40,15 @@ CONVERGENCE = (
     Descriptor(
         "overshoot_share",
         "share",
-        "of the control periods of all robots: those in which a robot gets past the centroid of its cell, as it was at "
-        "the period's start, by more than a visible step along the line to it; at most 60 periods, evenly spread",
+        "share of the control periods of all robots in which a robot moves past the centroid of its cell at the start "
+        "of the period by more than a visible step along the line to it; at most 60 periods, evenly spread",
     ),
-    Descriptor("overshoot_mean", "m", "how far they get past it, mean over those periods; 0 if there are none"),
+    Descriptor("overshoot_mean", "m", "distance past the centroid, mean over those periods; 0 if there are none"),
     Descriptor(
         "recurrence",
         "m",
-        "how nearly the swarm ever returns to a former state: the least, over all times and lags of 3 to 8 control "
-        "periods, of the largest distance of a robot from its place so many periods before",
+        "closest return of the swarm to a former state: the minimum, over all times and lags of 3 to 8 control periods, "
+        "of the largest distance of a robot from its former position",
     ),
 )
 

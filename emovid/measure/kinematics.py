@@ -26,10 +26,10 @@ SPEED = (
         Descriptor(f"speed_{kind}_diagonals", "diagonals/s", f"speed_{kind} over the stage's diagonal")
         for kind in _SPEEDS
     ),
-    Descriptor("distance_travelled", "m", "length of a robot's path, all its detail included; mean over robots"),
+    Descriptor("distance_travelled", "m", "length of a robot's path with all its detail; mean over robots"),
 )
 
-_RATE = 30.0  # Hz; of the positions, whatever the video's frame rate: three times SPARC's cut-off
+_RATE = 30.0  # Hz; of the positions, for any frame rate of the video: three times SPARC's cut-off
 _PADDING = 4  # zeros up to 2^4 times the length: one of SPARC's published defaults, as are the next two
 _CUT_OFF = 10.0  # Hz
 _THRESHOLD = 0.05  # of the spectrum's largest amplitude

@@ -3,7 +3,7 @@
 A robot's commands can turn far more than its trace: it may spin on the spot, or move to and fro by micrometers. The
 trace is therefore divided into visible steps: each step ends where the path first leaves the circle about the start of
 the step. Motion within a circle does not count, and the steps do not depend on the control period or the frame rate.
-This is the rediscretised path of P. Bovet and S. Benhamou, "Spatial analysis of animals' movements using a correlated
+This is the rediscretized path of P. Bovet and S. Benhamou, "Spatial analysis of animals' movements using a correlated
 random walk model", J. Theor. Biol. 131(4), 1988. All turning is turning between its steps.
 
 The step is a sixth of the body's width (`Window.step`). A corner turns by more than 60 degrees within two steps, a
@@ -19,21 +19,22 @@ from scipy.ndimage import binary_dilation
 from emovid.measure.window import Descriptor, Window
 from emovid.swarm.arrays import Array, Mask
 
-_SOURCE = "on the rediscretised path of Bovet and Benhamou 1988"
+_SOURCE = "on the rediscretized path of Bovet and Benhamou 1988"
 
 TRACE = (
     Descriptor("trace_length", "m", "visible steps times their length; mean over robots", _SOURCE),
     Descriptor(
         "turning_per_metre",
         "rad/m",
-        "turning of the traces over their length, both summed over robots; swings below 15 degrees are not counted",
+        "turning of the traces over their length, both summed over robots; turns to and fro below 15 degrees are not "
+        "counted",
         _SOURCE,
     ),
     Descriptor(
         "sharp_corner_share",
         "share",
-        "of the length of the traces, summed over robots: what lies within half a body's width, along the trace, of a "
-        "turn by more than 60 degrees within two visible steps",
+        "share of the length of all traces within half a body width, along the trace, of a turn by more than 60 "
+        "degrees within two visible steps",
         _SOURCE,
     ),
     Descriptor(
