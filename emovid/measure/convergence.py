@@ -47,8 +47,8 @@ CONVERGENCE = (
     Descriptor(
         "recurrence",
         "m",
-        "closest return of the swarm to a former state: the minimum, over all times and lags of 3 to 8 control periods, "
-        "of the largest distance of a robot from its former position",
+        "closest return of the swarm to a former state: the minimum, over all times and lags of 3 to 8 control "
+        "periods, of the largest distance of a robot from its former position",
     ),
 )
 
