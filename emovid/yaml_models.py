@@ -128,7 +128,7 @@ def _nearest_value(kind: str, path: KeyPath, given: str) -> str:
 
 def _expected(kind: str, path: KeyPath, context: Mapping[str, Any], message: str) -> str:
     if "colours" in path and kind in ("string_type", "string_pattern_mismatch"):
-        return 'a colour in quotes, as in "#0072b2"'
+        return 'a color in quotes, as in "#0072b2"'
     if path in _WORDS:
         return _WORDS[path]
     if kind == "too_short":

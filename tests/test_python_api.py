@@ -67,7 +67,9 @@ def test_numpy_numbers_are_accepted() -> None:
 def test_wrong_argument_type_gives_a_one_line_message() -> None:
     with pytest.raises(emovid.InputError, match=r"^simulate: 'fear' is not a scene; expected one such as load_scene"):
         emovid.simulate("fear")
-    with pytest.raises(emovid.InputError, match=r"^analyze: 'x.csv' is no Responses; expected those of read_respon"):
+    with pytest.raises(
+        emovid.InputError, match=r"^analyze: 'x.csv' is not a Responses object; expected the result of read_respon"
+    ):
         emovid.analyze("x.csv")
 
 

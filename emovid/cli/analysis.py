@@ -36,7 +36,7 @@ Key = Annotated[
     Path | None, typer.Option("--key", help="CSV with video_code,true_emotion, for blinded codes.", show_default=False)
 ]
 Map = Annotated[
-    Path | None, typer.Option("--map", help="map.yaml, which declares what is not detected.", show_default=False)
+    Path | None, typer.Option("--map", help="map.yaml, for facts that are not detected.", show_default=False)
 ]
 Labels = Annotated[
     str | None,
@@ -70,7 +70,7 @@ def analyze(
         Path | None,
         typer.Option("--counts", help="A published confusion matrix, instead of exports.", show_default=False),
     ] = None,
-    output: Annotated[Path, typer.Option("--output", "-o", help="The folder for results, made if missing.")] = Path(
+    output: Annotated[Path, typer.Option("--output", "-o", help="The folder for results, created if missing.")] = Path(
         "results"
     ),
     margin: Margin = None,

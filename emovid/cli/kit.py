@@ -175,7 +175,8 @@ def export(
         Path | None, typer.Option("--map", help="A map.yaml of --responses.", show_default="that of the kit")
     ] = None,
     check: Annotated[
-        bool, typer.Option("--check", help="Only print what the tool can do with this kit; exit with 1 if too little.")
+        bool,
+        typer.Option("--check", help="Only print which parts of this kit the tool supports; exit with 1 if too few."),
     ] = False,
     force: Force = False,
     quiet: Quiet = False,

@@ -50,7 +50,7 @@ def measure(
     only: Annotated[
         str | None,
         typer.Option(
-            help="Descriptors, or how names begin, with commas between, as in cusps,cost.",
+            help="Descriptors, or beginnings of their names, separated by commas, as in cusps,cost.",
             show_default="all",
             autocompletion=_descriptors,
         ),

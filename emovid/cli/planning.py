@@ -119,7 +119,8 @@ def simulate(
         ),
     ] = None,
     matrix: Annotated[
-        Path | None, typer.Option("--matrix", help="Answer as in this confusion matrix, instead.", show_default=False)
+        Path | None,
+        typer.Option("--matrix", help="Simulate answers with this confusion matrix instead.", show_default=False),
     ] = None,
     bias: Annotated[
         list[str] | None,

@@ -203,7 +203,7 @@ def preview(
     seed: Seed = None,
     duration: Duration = None,
     watch: Annotated[
-        bool, typer.Option("--watch", "-w", help="Make it again whenever the scene is saved, until Ctrl-C.")
+        bool, typer.Option("--watch", "-w", help="Render again whenever the scene is saved, until Ctrl-C.")
     ] = False,
     shown: Annotated[bool, typer.Option("--open", help="Open the preview in a browser.")] = False,
     force: Force = False,

@@ -34,7 +34,7 @@ def status(folder: Folder, as_json: Json = False) -> None:
 def verify(
     folder: Folder,
     again: Annotated[
-        bool, typer.Option("--rebuild", help="Make every result again, elsewhere, and name the stage that differs.")
+        bool, typer.Option("--rebuild", help="Rebuild every result in another folder, and name the stage that differs.")
     ] = False,
     jobs: Jobs = None,
     as_json: Json = False,

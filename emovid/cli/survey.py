@@ -17,7 +17,7 @@ from emovid.survey.export import is_of_kit, progress_of, responses_csv
 from emovid.survey.store import Withdrawal, open_survey
 from emovid.workflows.outputs import write_outputs
 
-Pilot = Annotated[bool, typer.Option("--pilot", help="Use the answers of the pilot, which have a file of their own.")]
+Pilot = Annotated[bool, typer.Option("--pilot", help="Use the answers of the pilot, which are in a separate file.")]
 Release = Annotated[
     float, typer.Option("--release-after", min=1, help="Minutes of inactivity until a participant counts as gone.")
 ]

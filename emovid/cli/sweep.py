@@ -40,7 +40,9 @@ def sweep(
     ],
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", help="Folder of the results; made if missing.", show_default=f"{FOLDER}/NAME"),
+        typer.Option(
+            "--output", "-o", help="Folder of the results, created if missing.", show_default=f"{FOLDER}/NAME"
+        ),
     ] = None,
     only: Annotated[
         str | None,
@@ -61,7 +63,8 @@ def sweep(
         ),
     ] = None,
     dry_run: Annotated[
-        bool, typer.Option("--dry-run", "-n", help="List what would be made or replaced, and why; make nothing.")
+        bool,
+        typer.Option("--dry-run", "-n", help="List the items that would be made or replaced, and why; write nothing."),
     ] = False,
     force: Force = False,
     quiet: Quiet = False,

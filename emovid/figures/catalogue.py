@@ -104,7 +104,7 @@ _DESCRIPTIONS = {
     "sadness": "a small circle, an eighth of a turn in 8 s",
     "fear": "an even spread, slow and angular",
     "disgust": "a spread to the boundary, slow and angular",
-    "anger": "a crowd at the centre, fast and the most angular",
+    "anger": "a crowd at the center, fast and the most angular",
 }
 _ON_CONTOURS, _COVERAGE = ("happiness", "surprise", "sadness"), ("anger", "disgust", "fear")
 _BOTH_LAWS = ("happiness", "fear")

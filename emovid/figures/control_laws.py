@@ -72,7 +72,7 @@ def contour_of(scene: Scene) -> Contour:
         ValueError: for a scene without one.
     """
     if not isinstance(scene.behaviour, ContourKeys):
-        raise ValueError(f"a {scene.behaviour.law} behaviour has no contour")
+        raise ValueError(f"a {scene.behaviour.law} behavior has no contour")
     return scene.behaviour
 
 

@@ -114,8 +114,8 @@ class Ratings(Keys):
 class StimulusKeys(Keys):
     """A scene to make videos of, or a finished video."""
 
-    scene: Text | None = Field(None, description="one of the six emotions, or a scene file beside study.yaml")
-    video: Text | None = Field(None, description="instead: a finished video beside study.yaml")
+    scene: Text | None = Field(None, description="one of the six emotions, or a scene file relative to study.yaml")
+    video: Text | None = Field(None, description="instead: a video in the folder of study.yaml")
     emotion: Text | None = Field(None, description="the label that it signals; by default the scene's emotion")
     set: SceneKeys = Field({}, description="keys of the scene to replace, as in robot.l: 0.002")
 
@@ -150,7 +150,7 @@ class Orders(Keys):
     scheme: Scheme = Field("williams", description="williams, latin or random")
     shown: Literal["all", "one_of_each"] = Field(
         "all",
-        description="all videos for everybody; or one_of_each emotion: exemplars and factors between participants",
+        description="all videos for everyone; or one_of_each emotion: exemplars and factors between participants",
     )
 
 
@@ -160,14 +160,14 @@ class AttentionCheck(StimulusKeys):
     name: Name = Field(description="name in the data")
     question: Text = Field(description="text of the question")
     choices: Annotated[tuple[Text, ...], Field(strict=False, min_length=2)] = Field(description="answers")
-    answer: Text = Field(description="the right one of them")
+    answer: Text = Field(description="the right answer")
     after: Annotated[int, Field(ge=0)] = Field(description="number of videos that are shown before it")
 
 
 class Requirements(Keys):
     """Devices and browsers that the study is for."""
 
-    text: Text | None = Field(None, description="what participants read about them on the first page")
+    text: Text | None = Field(None, description="text about them on the first page")
     devices: Annotated[tuple[Literal["desktop", "tablet", "phone"], ...], Field(strict=False, min_length=1)] = Field(
         ("desktop", "tablet", "phone"), description="some of desktop, tablet, phone"
     )
@@ -300,7 +300,7 @@ class Study(Keys):
     demographics: Annotated[tuple[Question, ...], Field(strict=False)] = Field(
         (), description="questions before the videos"
     )
-    requirements: Requirements = Field(Requirements(), description="devices and browsers that the study is for")
+    requirements: Requirements = Field(Requirements(), description="devices and browsers suitable for the study")
     consent: Consent = Field(description="first page")
     instructions: Text = Field(description="text before the first video")
     practice: StimulusKeys | None = Field(None, description="video for practice before the others; not in the data")

@@ -230,7 +230,7 @@ def _trails(scene: Scene, poses: Array) -> str:
         colours, look = THEMES[scene.video.theme].trails, look.model_copy(update={"robots": _TRAILS})
     robots = trailed_robots(poses, look.robots).tolist()
     listed = ", ".join(f'{robot}: "{colours[i % len(colours)]}"' for i, robot in enumerate(robots))
-    return f"TRAILS = {{{listed}}}  # robots that leave one, and their colours"
+    return f"TRAILS = {{{listed}}}  # robots that leave one, and their colors"
 
 
 def _contour(law: Contour) -> list[str]:

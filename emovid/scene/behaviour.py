@@ -13,9 +13,11 @@ MAX_PARTS = 64
 class ContourKeys(Keys):
     """Keys of all contours."""
 
-    law: Literal["contour"] = Field(description="follow a point that runs along a contour")
-    angular_rate: float = Field(ge=-100, le=100, description="rate of the followed point about the centre [rad/s]")
-    centre: Point = Field(ORIGIN, description="centre of the contour [m]")
+    law: Literal["contour"] = Field(description="follow a point that moves along a contour")
+    angular_rate: float = Field(
+        ge=-100, le=100, description="angular rate of the followed point around the center [rad/s]"
+    )
+    centre: Point = Field(ORIGIN, description="center of the contour [m]")
 
     @property
     def extent(self) -> float:
@@ -39,12 +41,12 @@ class CircularSinusoid(ContourKeys):
 class ExpandingCircle(ContourKeys):
     """Surprise, Appendix A: R(t) = mod(expansion_rate t, R_max - R_min) + R_min, with a smooth return by choice."""
 
-    shape: Literal["expanding_circle"] = Field(description="a circle that grows from R_min to R_max, again and again")
+    shape: Literal["expanding_circle"] = Field(description="a circle that grows repeatedly from R_min to R_max")
     R_min: Length = Field(description="radius at the start [m]")
-    R_max: Length = Field(description="radius at which it starts again [m], above R_min")
+    R_max: Length = Field(description="radius at which it restarts [m], above R_min")
     expansion_rate: Annotated[float, Field(gt=0, le=100)] = Field(description="growth of the radius [m/s]")
     return_time: Annotated[float, Field(gt=0, le=1000)] | None = Field(
-        None, description="time of a smooth return to R_min [s], half a cosine; null: at once, the paper's mod"
+        None, description="time of a smooth return to R_min [s], half a cosine; null: at once, as in the paper (mod)"
     )
 
     @property
@@ -75,7 +77,7 @@ class Boundary(Keys):
     kind: Literal["boundary"] = Field(description="a ridge of density along every edge of the stage")
     width: Length = Field(description="standard deviation of the ridge's Gaussian profile [m]")
     inset: Annotated[float, Field(ge=0, le=MAX_LENGTH)] = Field(
-        0.0, description="distance of its crest from the edge [m]"
+        0.0, description="distance of the crest from the edge [m]"
     )
 
 
@@ -83,14 +85,14 @@ class Gaussian(Keys):
     """The density of anger."""
 
     kind: Literal["gaussian"] = Field(description="a round peak of density")
-    centre: Point = Field(ORIGIN, description="where it peaks [m]")
+    centre: Point = Field(ORIGIN, description="position of the peak [m]")
     sigma: Length = Field(description="standard deviation [m]")
 
 
 class Image(Keys):
     """A density drawn by hand: a gray-scale picture over the upright rectangle around the stage."""
 
-    kind: Literal["image"] = Field(description="a picture: darker is denser, white is nothing")
+    kind: Literal["image"] = Field(description="a picture: darker is denser, white is zero")
     file: Annotated[str, Field(min_length=1, max_length=1000)] = Field(
         description="the picture, a PNG; relative to the scene's file"
     )
@@ -126,10 +128,10 @@ AnyDensity = Basic | Sum
 class Coverage(Keys):
     """Fear, disgust and anger, Appendix A: each robot heads for the centroid of its Voronoi cell."""
 
-    law: Literal["coverage"] = Field(description="spread over a density: u = kappa (c - p)")
+    law: Literal["coverage"] = Field(description="coverage of a density: u = kappa (c - p)")
     kappa: Annotated[float, Field(gt=0, le=1000)] = Field(description="proportional gain [1/s]")
     u_max: Annotated[float, Field(gt=0, le=1000)] | None = Field(
-        None, description="cap on |u| [m/s]; null: the paper's law, without a cap"
+        None, description="upper limit of |u| [m/s]; null: no limit, as in the paper"
     )
     density: Annotated[AnyDensity, Field(discriminator="kind")] = Field(description="density that the robots cover")
     separation: Annotated[float, Field(ge=0, le=1)] | None = Field(

@@ -51,13 +51,14 @@ class Scene(Keys):
     stage: Stage = Field(description="the area they move in: width and height, or corners")
     start: Start = Field(description="positions of the robots at t = 0")
     control_period: Annotated[float, Field(gt=0, le=60)] = Field(
-        description="time for which a command is held [s], independent of the video's frame rate"
+        description="time for which a command is held [s], independent of the frame rate of the video"
     )
     duration: Annotated[float, Field(gt=0, le=MAX_DURATION)] = Field(description="length of run and video [s]")
     seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = Field(description="random seed")
     safety: Safety = Field(NoSafety(), description="none or barrier: method that keeps bodies apart under any law")
     snapshots: Annotated[tuple[Time, ...], Field(strict=False, min_length=1, max_length=MAX_SNAPSHOTS)] | None = Field(
-        None, description="times of its figure [s], rising; measures end at the last; null: the paper's for its emotion"
+        None,
+        description="times of its figure [s], increasing; measurements end at the last; null: as in the paper",
     )
     video: Video = Field(Video(), description="appearance in videos and figures")
 
@@ -128,7 +129,7 @@ def _faults(scene: Scene) -> Iterator[tuple[str, str]]:
     yield from _video_faults(scene.video)
     yield from _window_faults(scene)
     if scene.video.overlays.density and not isinstance(scene.behaviour, Coverage):
-        yield "video.overlays.density", f"true: a {scene.behaviour.law} behaviour has no density to show"
+        yield "video.overlays.density", f"true: a {scene.behaviour.law} behavior has no density to show"
     if scene.video.overlays.targets and isinstance(scene.behaviour, Recorded):
         yield "video.overlays.targets", "true: recorded motion has no targets to show"
     if scene.video.view == "perspective":
@@ -170,7 +171,7 @@ def _robot_faults(scene: Scene) -> Iterator[tuple[str, str]]:
     if body.steers and robot.l is None:
         yield "robot.l", f"missing: a {body.name} needs a look-ahead distance l [m]"
     if robot.l is not None and robot.l < MIN_L:
-        yield "robot.l", f"{robot.l:g}: expected at least a micrometre, {MIN_L:g}"
+        yield "robot.l", f"{robot.l:g}: expected at least a micrometer, {MIN_L:g}"
     if robot.limits is not None and robot.limits == Limits():
         yield "robot.limits", "empty: expected v_max, omega_max or wheel_max, or null for no limits"
     if robot.saturation == "clip" and (robot.limits is None or robot.limits.wheel_max is None):
@@ -198,7 +199,7 @@ def _behaviour_faults(scene: Scene) -> Iterator[tuple[str, str]]:
             yield (
                 f"behaviour.{key}",
                 (
-                    f"the contour leaves the stage: it reaches {law.extent:g} m from its centre, plus a body of radius "
+                    f"the contour leaves the stage: it reaches {law.extent:g} m from its center, plus a body of radius "
                     f"{_mm(radius)}, and the edge is {room:g} m away"
                 ),
             )
@@ -245,7 +246,7 @@ def _centre_faults(key: str, centre: Point, stage: Stage) -> Iterator[tuple[str,
 def _start_faults(scene: Scene) -> Iterator[tuple[str, str]]:
     start, stage, radius = scene.start, scene.stage, scene.robot.body.radius
     if isinstance(start, OnContour) and not isinstance(scene.behaviour, ContourKeys):
-        yield "start.place", f"contour: a {scene.behaviour.law} behaviour has none; expected stage, region or poses"
+        yield "start.place", f"contour: a {scene.behaviour.law} behavior has none; expected stage, region or poses"
     if isinstance(start, AtRandom) and start.min_spacing is not None and start.min_spacing < 2 * radius:
         yield "start.min_spacing", f"{start.min_spacing:g}: expected at least the robot's size, {least(2 * radius)}"
     if isinstance(start, InRegion):

@@ -21,9 +21,9 @@ Corner = Annotated[tuple[Offset, Offset], Field(strict=False)]
 class CircularShape(Keys):
     """A disk."""
 
-    kind: Literal["circle"] = Field(description="a disc")
+    kind: Literal["circle"] = Field(description="a disk")
     radius: Length = Field(description="[m]")
-    ahead: Offset = Field(0.0, description="how far its centre lies ahead of the pose [m]")
+    ahead: Offset = Field(0.0, description="distance of its center ahead of the pose [m]")
 
     @property
     def box(self) -> tuple[float, float]:
@@ -42,7 +42,7 @@ class RectangularShape(Keys):
     length: Length = Field(description="extent along the heading [m]")
     width: Length = Field(description="extent across it [m]")
     corner: Annotated[float, Field(ge=0, le=MAX_LENGTH)] = Field(0.0, description="radius of its corners [m]")
-    ahead: Offset = Field(0.0, description="how far its centre lies ahead of the pose [m]")
+    ahead: Offset = Field(0.0, description="distance of its center ahead of the pose [m]")
 
     @model_validator(mode="after")
     def _round(self) -> "RectangularShape":
@@ -93,8 +93,8 @@ class Wheels(Keys):
     """Two wheels, their axle through the robot's pose."""
 
     radius: Length = Field(description="of a wheel [m]")
-    width: Length = Field(description="of a tyre [m]")
-    base: Length = Field(description="distance of the tyres' middles [m]")
+    width: Length = Field(description="of a tire [m]")
+    base: Length = Field(description="distance between the centers of the tires [m]")
 
 
 class Light(Keys):
@@ -120,7 +120,7 @@ class Body(Keys):
         "robot", description="name in messages; by default the name of its file"
     )
     kinematics: Literal["unicycle", "single_integrator"] = Field(
-        description="unicycle: moves where it faces; single_integrator: moves in any direction"
+        description="unicycle: moves along its heading; single_integrator: moves in any direction"
     )
     shape: Annotated[Shape, Field(discriminator="kind")] = Field(description="outline of its body from above")
     height: Length = Field(description="height of the body above the floor [m]; for pictures only")
@@ -197,8 +197,8 @@ class Robot(Keys):
     )
     saturation: Literal["scale", "clip"] = Field(
         "scale",
-        description="treatment of a command beyond the limits: scale keeps its curvature; clip cuts each wheel's speed "
-        "on its own, as the Robotarium's simulator does",
+        description="treatment of a command beyond the limits: scale keeps its curvature; clip limits each wheel "
+        "separately, as the Robotarium's simulator does",
     )
 
     @property
@@ -221,7 +221,7 @@ MAX_PERIOD = 0.04  # s; default of a barrier: about the control period of robots
 class NoSafety(Keys):
     """The paper's study: only the edge of the stage, and a coverage law's `separation`."""
 
-    kind: Literal["none"] = Field("none", description="nothing changes a command but the edge of the stage")
+    kind: Literal["none"] = Field("none", description="only the edge of the stage changes commands")
 
 
 class Barrier(Keys):
@@ -230,7 +230,7 @@ class Barrier(Keys):
     kind: Literal["barrier"] = Field(description="control barrier certificates for all pairs of robots and all walls")
     spacing: Length | None = Field(
         None,
-        description="distance kept between two bodies' middles [m], half of it to a wall; null: bodies just apart",
+        description="distance between the centers of two bodies [m], half of it to a wall; null: bodies just apart",
     )
     gamma: Annotated[float, Field(gt=0, le=1000)] = Field(
         5.0,
@@ -238,7 +238,7 @@ class Barrier(Keys):
     )
     period: Annotated[float, Field(ge=1e-6, le=60)] | None = Field(
         None,
-        description="time between its solutions [s], a whole number of times in a control period; null: the longest "
+        description="time between solutions [s], a fraction 1/n of the control period; null: the longest "
         "such part of at most 0.04 s",
     )
 

@@ -238,7 +238,7 @@ class Pose(Point):
 class Region(Keys):
     """A rectangle inside the stage."""
 
-    centre: Point = Field(ORIGIN, description="its centre [m]")
+    centre: Point = Field(ORIGIN, description="its center [m]")
     width: Length = Field(description="extent along x [m]")
     height: Length = Field(description="extent along y [m]")
 
@@ -255,7 +255,7 @@ class OnContour(Keys):
     place: Literal["contour"] = Field(description="spread evenly along the contour at t = 0, heading along it")
     settled: bool = Field(
         False,
-        description="whether they start as far behind the points that they follow as they stay later; false: on the "
+        description="whether robots start with their steady lag behind the followed points; false: on the "
         "contour itself",
     )
 
@@ -264,27 +264,27 @@ class AtRandom(Keys):
     """Keys of random starts."""
 
     min_spacing: Length | None = Field(
-        None, description="smallest distance of two centres [m]; null: bodies just apart"
+        None, description="smallest distance between two centers [m]; null: bodies just apart"
     )
 
 
 class InStage(AtRandom):
     """A random start, anywhere."""
 
-    place: Literal["stage"] = Field(description="at random in the whole stage")
+    place: Literal["stage"] = Field(description="at random on the whole stage")
 
 
 class InRegion(AtRandom):
     """A random start in a rectangle."""
 
-    place: Literal["region"] = Field(description="at random in a part of the stage")
-    region: Region = Field(description="the part, for the robots' centres")
+    place: Literal["region"] = Field(description="at random on a part of the stage")
+    region: Region = Field(description="the part, for the centers of the robots")
 
 
 class AtPoses(Keys):
     """A start at given poses."""
 
-    place: Literal["poses"] = Field(description="at the poses that the scene lists")
+    place: Literal["poses"] = Field(description="at the poses listed in the scene")
     poses: Annotated[tuple[Pose, ...], Field(strict=False, min_length=1)] = Field(description="one pose for each robot")
 
 

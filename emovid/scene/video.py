@@ -38,7 +38,7 @@ class CameraKeys(Keys):
     )
     tilt: Annotated[float, Field(ge=0, le=90)] | None = Field(
         None,
-        description="angle of its axis below the horizontal [deg]; null: towards the middle of the stage",
+        description="angle of its axis below the horizontal [deg]; null: toward the middle of the stage",
     )
     field_of_view: Annotated[float, Field(ge=1, le=MAX_FIELD_OF_VIEW)] | None = Field(
         None, description="across the width of the picture [deg]; null: the stage fills the picture"
@@ -49,11 +49,11 @@ class Trails(Keys):
     """The traces that robots leave."""
 
     robots: Annotated[int, Field(ge=0, le=MAX_ROBOTS)] | None = Field(
-        5, description="number of robots that leave a trail, evenly spread by angle at the start; null: all"
+        5, description="number of robots with a trail, evenly spaced by angle at the start; null: all"
     )
     width: Annotated[float, Field(gt=0, le=1)] = Field(0.004, description="width of the line [m on the stage]")
     seconds: Annotated[float, Field(gt=0, le=MAX_DURATION)] | None = Field(
-        None, description="time for which a trail stays [s]; null: always"
+        None, description="duration of a trail [s]; null: permanent"
     )
     fade: bool = Field(False, description="whether a trail fades with its age; needs seconds")
 
@@ -61,9 +61,9 @@ class Trails(Keys):
 class Overlays(Keys):
     """Further parts of a picture. The study's videos have none of them."""
 
-    density: bool = Field(False, description="the density of a coverage behaviour, below everything else")
+    density: bool = Field(False, description="the density of a coverage behavior, below everything else")
     cells: bool = Field(False, description="the robots' Voronoi cells")
-    targets: bool = Field(False, description="the points that the robots head for: points on the contour, or centroids")
+    targets: bool = Field(False, description="the targets of the robots: points on the contour, or centroids")
     clock: bool = Field(False, description="the time, in the upper left corner [s]")
 
 
@@ -108,10 +108,10 @@ class OwnColours(Keys):
     boundary: OwnColour = Field("theme", description="the stage's edge")
     body: OwnColour = Field("theme", description="robots without a trail")
     wheels: OwnColour = Field("theme", description="wheels")
-    front: OwnColour = Field("theme", description="the mark that shows a robot's front")
+    front: OwnColour = Field("theme", description="the mark at the front of a robot")
     trails: Annotated[tuple[TrailColour, ...], Field(strict=False, min_length=1)] = Field(
         5 * ("theme",),
-        description="trails and the bodies that leave them, in turn; body: the colour of robots without a trail",
+        description="trails and the bodies that leave them, in turn; body: the color of robots without a trail",
     )
     density: OwnColour = Field("theme", description="the density overlay, at the largest density")
     overlay: OwnColour = Field("theme", description="the other overlays: cells, targets and clock")
@@ -146,7 +146,7 @@ class Video(Keys):
     format: FormatName = Field("mp4", description="mp4 (H.264), webm (VP9), gif, or png-sequence: a folder of pictures")
     view: ViewName = Field("overhead", description="overhead: from straight above; perspective: from the camera")
     camera: CameraKeys = Field(CameraKeys(), description="position and direction of the camera of the perspective view")
-    trails: Trails = Field(Trails(), description="the traces that some robots leave")
+    trails: Trails = Field(Trails(), description="the trails of robots")
     overlays: Overlays = Field(Overlays(), description="further parts of the picture")
     theme: ThemeName = Field("light", description="light or dark: the colors that the scene does not set itself")
     colours: OwnColours = Field(OwnColours(), description="colors that differ from the theme's")

@@ -86,7 +86,7 @@ def _at_random(scene: Scene, start: InStage | InRegion, rng: np.random.Generator
     where = f"{width:.3g} m x {height:.3g} m" if upright else f"a stage of {scene.stage}"
     raise scene.fault(
         "robots",
-        f"{scene.robots} robots do not fit into {where} at random with {1000 * spacing:g} mm between centres: "
+        f"{scene.robots} robots do not fit into {where} at random with {1000 * spacing:g} mm between centers: "
         f"room was found for {len(grid.points)}",
     )
 

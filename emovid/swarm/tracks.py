@@ -67,17 +67,17 @@ class Track(Keys):
     )
     origin: Origin = Field(Origin(x=0.0, y=0.0), description="the stage's origin in the file's coordinates")
     columns: Columns = Field(Columns(), description="columns of a long CSV")
-    bodypart: str | None = Field(None, description="body part of a DeepLabCut file; null: its only one")
+    bodypart: str | None = Field(None, description="body part of a DeepLabCut file; null: the only one")
     likelihood: Annotated[float, Field(ge=0, le=1)] = Field(
         0.0, description="smallest likelihood of a DeepLabCut point"
     )
-    topic: str | None = Field(None, description="topic of PoseArray messages in a bag; null: its only one")
+    topic: str | None = Field(None, description="topic of PoseArray messages in a bag; null: the only one")
     gaps: Literal["refuse", "interpolate"] = Field("refuse", description="treatment of missing positions")
     robot: Body = Field(description="the robot, or another body: a shipped robot by its name, a file or keys")
     stage: Stage = Field(description="the area it moves in")
     emotion: EmotionName | None = Field(None, description="the emotion that it expresses; null for none")
     snapshots: Annotated[tuple[float, ...], Field(strict=False, min_length=1)] | None = Field(
-        None, description="times of its figure [s], rising; measures end at the last"
+        None, description="times of its figure [s], increasing; measurements end at the last"
     )
     video: Video = Field(Video(), description="appearance in videos and figures")
 

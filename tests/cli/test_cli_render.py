@@ -378,7 +378,7 @@ def test_quiet_prints_nothing(capsys) -> None:
                                       "dark?)"),
         (["fear", "--overlay", "cell"], "--overlay cell: video.overlays.cell: unknown key (did you mean "
                                         "video.overlays.cells?)"),
-        (["sadness", "--overlay", "density"], "--overlay density: video.overlays.density: true: a contour behaviour "
+        (["sadness", "--overlay", "density"], "--overlay density: video.overlays.density: true: a contour behavior "
                                               "has no density to show"),
         (["fear", "--set", "video.trails.seconds=null", "--set", "video.trails.fade=true"],
          "--set video.trails.fade=true: video.trails.fade: true: a permanent trail cannot fade; expected a "
@@ -395,7 +395,7 @@ def test_quiet_prints_nothing(capsys) -> None:
         (["fear", "--sed", "1"], "No such option: --sed (Possible options: --seed, --set, --speed)"),
         (
             ["fear", "--set", "robots=900"],
-            "--set robots=900: robots: 900 robots do not fit into 0.9 m x 0.6 m at random with 60 mm between centres: "
+            "--set robots=900: robots: 900 robots do not fit into 0.9 m x 0.6 m at random with 60 mm between centers: "
             "room was found for 107",
         ),
     ],

@@ -249,7 +249,7 @@ def test_robots_that_never_converge_are_drawn_after_the_last_step(make_scene, mo
 
 
 def test_contour_figure_refuses_a_density(make_scene) -> None:
-    with pytest.raises(ValueError, match="a coverage behaviour has no contour"):
+    with pytest.raises(ValueError, match="a coverage behavior has no contour"):
         shapes_figure([simulate(make_scene("fear", {"duration": 0.5}))], [0.0])
 
 

@@ -93,7 +93,7 @@ def test_invalid_list_item_is_named_instead_of_a_wrong_count(key, corners, expec
     [
         ("anger", {"video.format": "gif", "video.fps": 60}, "video.fps: 60: expected at most 50 in a gif"),
         ("anger", {"video.trails.seconds": None}, "video.trails.fade: true: a permanent trail cannot fade"),
-        ("anger", {"robot.l": 1e-7}, "robot.l: 1e-07: expected at least a micrometre, 1e-06"),
+        ("anger", {"robot.l": 1e-7}, "robot.l: 1e-07: expected at least a micrometer, 1e-06"),
         ("robotarium/anger", {"safety.period": 0.02}, "safety.period: 0.02: expected a whole number of times in the"),
         (
             "robotarium/anger",
@@ -237,7 +237,7 @@ def test_override_of_an_invalid_key_is_a_source_error(key):
 
 def test_override_refused_by_the_simulator_is_named(capsys, tmp_path):
     source = ["configs/errors/no_room_at_random.yaml", "--set", "start.min_spacing=0.07", "--set", "robots=180"]
-    message = "180 robots do not fit into 1.16 m x 0.761 m at random with 70 mm between centres: room was found for 135"
+    message = "180 robots do not fit into 1.16 m x 0.761 m at random with 70 mm between centers: room was found for 135"
     assert_refused(source, f"--set robots=180: robots: {message}", capsys, tmp_path)
 
 
