@@ -32,6 +32,7 @@ _REMEDIES = {
     errno.EACCES: "choose another folder",
     errno.EPERM: "choose another folder",
     errno.ENOENT: "is its folder still there?",
+    errno.EMFILE: "raise the limit on open files (ulimit -n)",
     errno.ENAMETOOLONG: "choose a shorter name",
 }
 
@@ -198,8 +199,16 @@ def _part_beside(target: Path) -> Path:
 
 
 def _followed(target: Path) -> Path:
-    """Return the file or folder that a link points to; any other path unchanged."""
-    return target.resolve() if target.is_symlink() else target
+    """Return the file or folder that a link points to, existing or not; any other path unchanged."""
+    if not target.is_symlink():
+        return target
+    try:
+        target.stat()
+    except FileNotFoundError:
+        pass
+    except OSError as error:  # such as links that point to each other
+        raise not_written(target, error) from None
+    return target.resolve()
 
 
 def _sync(path: Path) -> None:

@@ -4,6 +4,7 @@ Every error that a user can cause is an `EmovidError`. Its text is the whole mes
 command line, which catches these errors in one place, `emovid.cli.main`.
 """
 
+import errno
 import re
 import sys
 import warnings
@@ -62,8 +63,9 @@ def nearest(word: str, known: Iterable[str]) -> str:
 
 
 def reason(error: OSError) -> str:
-    """Return the system's description of an error, in lower case."""
-    return (error.strerror or str(error)).lower()
+    """Return the system's description of an error, in lower case, with a remedy for too many open files."""
+    text = (error.strerror or str(error)).lower()
+    return f"{text}: raise the limit on open files (ulimit -n)" if error.errno == errno.EMFILE else text
 
 
 def quoted(text: str, longest: int = 40) -> str:

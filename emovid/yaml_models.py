@@ -258,4 +258,4 @@ def with_schema(text: str, file: Path, schema: Mapping[str, Any]) -> dict[Path, 
     if lines and lines[0].startswith(_EDITOR_LINE):
         lines = lines[1:]
     lines = [f"{_EDITOR_LINE}{target.name}\n", *lines]
-    return {target: f"{json.dumps(schema, indent=2)}\n".encode(), file: "".join(lines).encode()}
+    return {file: "".join(lines).encode(), target: f"{json.dumps(schema, indent=2)}\n".encode()}

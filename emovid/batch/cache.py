@@ -207,7 +207,10 @@ def _staging(folder: Path) -> Iterator[Path]:
     """Give a hidden folder for the results of this run that are not in their places yet."""
     staging = folder / f".results.{owner()}.part"
     shutil.rmtree(staging, ignore_errors=True)
-    make_folder(staging)
+    try:
+        staging.mkdir()
+    except OSError as error:
+        raise not_written(folder if folder.name else Path.cwd(), error, "written to") from None
     try:
         yield staging
     finally:

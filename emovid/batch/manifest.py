@@ -10,7 +10,6 @@ Parallel runs never wait for each other to write, and a killed run loses nothing
 into the manifest, then removes its own and those of dead runs. Readers read the manifest and the journals.
 """
 
-import errno
 import fcntl
 import json
 import os
@@ -161,8 +160,8 @@ class Journal:
             self._file = self._file or self._path.open("ab", buffering=0)
             # The line break in front ends a half-written line that an interrupted write may have left.
             line = b"\n" + json.dumps(entry).encode() + b"\n"
-            if self._file.write(line) < len(line):
-                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            while line:  # a full disk takes a part, and raises its error for the rest
+                line = line[self._file.write(line) :]
         except OSError as error:
             raise not_written(self.folder / NAME, error) from None
 

@@ -245,6 +245,8 @@ def output_folder(folder: Path, suffixes: Sequence[str] = (), given: str = "") -
         given: its name in messages, by default as in ``-o x``.
     """
     given = given or f"-o {folder}"
+    if folder.name.lower() in suffixes:
+        raise InputError(f"{given}: expected a name before {folder.name}")
     expected = f"{' or '.join(suffixes)}, or a folder" if suffixes else "a folder"
     if folder == STDOUT:
         raise InputError(f"{given}: writes files only; expected {expected}")

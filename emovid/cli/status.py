@@ -46,7 +46,7 @@ def verify(
     Examples: emovid verify videos/ · emovid verify sweeps/lk/ --rebuild
     """
     if again:
-        with counting(folder.resolve().name, quiet=as_json) as tell, workers(jobs or os.cpu_count() or 1) as pool:
+        with counting(folder.absolute().name, quiet=as_json) as tell, workers(jobs or os.cpu_count() or 1) as pool:
             found = check.verify_again(folder, pool, tell or (lambda *_: None))
     else:
         found = check.verify(folder)

@@ -181,7 +181,7 @@ def test_dash_as_output_prints_tables(capsysbinary) -> None:
         ("study simulate -o x.csv --participants 3", "--seed 2", "x.csv exists with other content"),
         ("export robotarium anger -o x.py", "--seed 5", "x.py exists with other content"),
         ("preview ring.yaml -o x.gif", "--set robots=4", "x.gif exists with other content"),
-        ("measure ring.yaml --only speed_mean -o x.csv", "--set robots=4", "x.csv exists with other content"),
+        ("measure ring.yaml --only speed_mean -o x.csv -q", "--set robots=4", "x.csv exists with other content"),
     ],
 )
 def test_file_with_other_content_is_replaced_only_with_force(command, other, name, capsys) -> None:
@@ -257,7 +257,7 @@ def test_error_in_a_scene_names_a_valid_value(arguments, message, capsys) -> Non
     [
         ("render ring.yaml --fps 29.97", "--fps 29.97: expected a whole number (did you mean 30?)"),
         ("study power --rate 50", "--rate 50: expected a number, at least 0 and at most 1 (did you mean 0.5?)"),
-        ("study power --rate half", "--rate half: expected a number at least 0 at most 1"),
+        ("study power --rate half", "--rate half: expected a number, at least 0 and at most 1"),
         (
             "study power --choices 1",
             "--choices 1: expected a whole number, at least 2 and at most 12 (did you mean 2?)",
