@@ -7,13 +7,14 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from tests.helpers.data_loss import LOSSES
 from tests.helpers.faults import SIGNALS, VICTIMS, at_random, damaged, lasting
 from tests.helpers.memory import SIZES, peak
 from tests.helpers.sweeps import DaskTrials, Made, five_hundred
 from tests.helpers.trial import NAMES, Fault, reference_run, try_fault
 
 _MARK = "<!-- written by make chaos -->"
-_SPOILT = 10
+_DAMAGED, _LOSSES = 10, 75
 
 Row = tuple[str, list[str]]  # a fault, and the violations it caused
 
@@ -53,9 +54,12 @@ def _trials(folder: Path, moments: int, rng: random.Random) -> Iterator[Row]:
             yield f"{number.name} to a Dask worker", dask.violations(number, rng)
         else:
             yield _tried(at_random(rng, number, victim), reference, seconds)
+    for i in range(_LOSSES):
+        name = list(LOSSES)[i % len(LOSSES)]
+        yield name, LOSSES[name](rng)
     for fault in lasting():
         yield _tried(fault, reference, seconds)
-    for i in range(_SPOILT):
+    for i in range(_DAMAGED):
         yield _tried(damaged(rng, "manifest.json" if i % 2 else rng.choice(NAMES)), reference, seconds)
 
 

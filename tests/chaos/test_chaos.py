@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.helpers.data_loss import LOSSES
 from tests.helpers.faults import SIGNALS, VICTIMS, at_random, damaged, lasting, with_ffmpeg
 from tests.helpers.trial import Fault, reference_run, try_fault
 
@@ -33,6 +34,11 @@ def reference(tmp_path_factory) -> Path:
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
 def test_faults_leave_no_partial_results(reference: Path, fault: Fault) -> None:
     assert try_fault(fault, reference, reference_run(reference)) == []
+
+
+@pytest.mark.parametrize("name", LOSSES)
+def test_faults_lose_and_leak_no_data(name: str) -> None:
+    assert LOSSES[name](RNG) == []
 
 
 @pytest.mark.parametrize(

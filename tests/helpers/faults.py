@@ -49,7 +49,7 @@ def _victim(process: "subprocess.Popen[str]", word: str, rng: random.Random) -> 
     return None
 
 
-def _in_peace(trial: Trial) -> None:
+def _undisturbed(trial: Trial) -> None:
     trial.finish(trial.start())
 
 
@@ -67,33 +67,33 @@ def with_ffmpeg(name: str, script: str, cause: str, first: str = "pass") -> Faul
         trial.environment["IMAGEIO_FFMPEG_EXE"] = str(fake)
         trial.first = first
         trial.command = ["render", "--all", "-o", str(trial.folder), *SMALL, "--force", "--jobs", "1"]
-        _in_peace(trial)
+        _undisturbed(trial)
 
     return Fault(name, inject, cause, fails=True)
 
 
 def _without_ffmpeg(trial: Trial) -> None:
     trial.environment["IMAGEIO_FFMPEG_EXE"] = "/nowhere/ffmpeg"
-    _in_peace(trial)
+    _undisturbed(trial)
 
 
 def _limited(trial: Trial) -> None:
     trial.before = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (8_000, 8_000))
     trial.environment["COVERAGE_PROCESS_CONFIG"] = ""  # the data of `make coverage` would exceed the limit, too
-    _in_peace(trial)
+    _undisturbed(trial)
 
 
 def _on_small_disk(trial: Trial) -> None:
-    _mounted(trial, "size=100k", _in_peace)
+    _mounted(trial, "size=100k", _undisturbed)
 
 
 def _read_only(trial: Trial) -> None:
     if os.geteuid():
         trial.folder.chmod(0o555)
-        _in_peace(trial)
+        _undisturbed(trial)
         trial.folder.chmod(0o755)
     else:  # even root cannot write here
-        _mounted(trial, "ro", _in_peace)
+        _mounted(trial, "ro", _undisturbed)
 
 
 def _mounted(trial: Trial, options: str, run) -> None:
@@ -132,7 +132,7 @@ def _in_containers(trial: Trial) -> None:
 
 def _closed_stderr(trial: Trial) -> None:
     trial.before = lambda: os.close(2)
-    _in_peace(trial)
+    _undisturbed(trial)
 
 
 def _stale_files(trial: Trial) -> None:
@@ -140,14 +140,14 @@ def _stale_files(trial: Trial) -> None:
         (trial.folder / name).write_bytes(b"half")
     (trial.folder / f".manifest.json.{DEAD}.journal").write_text('["x", {"only": "vid')
     (trial.folder / ".manifest.json.lock").write_bytes(b"")
-    _in_peace(trial)
+    _undisturbed(trial)
 
 
 def damaged(rng: random.Random, name: str) -> Fault:
     """Return the fault of a file that changes between two runs: truncated, or with other bytes."""
 
     def inject(trial: Trial) -> None:
-        _in_peace(trial)
+        _undisturbed(trial)
         path = trial.folder / name
         data = bytearray(path.read_bytes())
         if rng.random() < 0.5:
@@ -156,7 +156,7 @@ def damaged(rng: random.Random, name: str) -> Fault:
             for _ in range(8):
                 data[rng.randrange(len(data))] = rng.randrange(256)
         path.write_bytes(data)
-        _in_peace(trial)
+        _undisturbed(trial)
 
     return Fault(f"a damaged {'manifest' if name.endswith('.json') else 'video'}", inject)
 

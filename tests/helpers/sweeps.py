@@ -73,7 +73,7 @@ class DaskTrials:
                 return None
             if process.returncode or "Traceback" in said:
                 return [f"exit code {process.returncode}: {said[-500:]}"]
-            found = [] if contents(target) == self.reference else ["other results than in peace"]
+            found = [] if contents(target) == self.reference else ["other results than without a fault"]
             if hidden(target):
                 found.append(f"temporary files left: {hidden(target)}")
             if left := left_of([victim]):
