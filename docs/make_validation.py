@@ -20,7 +20,7 @@ from emovid.statistics.resampling import information, resampled_counts, unbiased
 from emovid.statistics.showings import Showings
 
 K, PEOPLE = 6, 45
-# Table III: rows perceived, columns signalled.
+# Table III: rows perceived, columns signaled.
 TABLE = np.array(
     [
         [29, 8, 4, 2, 2, 6],

@@ -11,7 +11,7 @@ from typing import Protocol
 
 from emovid.atomic_io import clear_leftovers, file_digest, make_folder, not_written, owner, whole_file, whole_folder
 from emovid.batch.cluster import connected
-from emovid.batch.job import Delivery, Job, Order, Record, descriptors_digest, fulfil
+from emovid.batch.job import Delivery, Job, Order, Record, descriptors_digest, fulfill
 from emovid.batch.manifest import Journal, read_manifest
 from emovid.batch.scheduler import Pool, run
 from emovid.batch.versions import RecordKind, differences
@@ -59,7 +59,7 @@ class Made:
 def find_current(jobs: Sequence[Job], reporter: Reporter) -> dict[Path, Record]:
     """Return the records, by target, of the jobs whose results exist and are up to date.
 
-    Their files get the date of now, so that `make` and similar tools do not ask for them again.
+    The modification time of their files is updated, so that `make` and similar tools do not run again.
     """
     manifests = {folder: read_manifest(folder) for folder in {job.target.parent for job in jobs}}
     records = {}
@@ -82,7 +82,7 @@ def is_current(record: Record, job: Job) -> bool:
 
 
 def touch(file: Path) -> None:
-    """Give an existing file the date of now, where this is allowed."""
+    """Update the modification time of an existing file, where this is allowed."""
     with suppress(OSError):
         os.utime(file)
 
@@ -124,7 +124,7 @@ def make_jobs(jobs: Iterable[Job], journal: Journal, reporter: Reporter, pool: P
     clear_leftovers(folder)
     with _staging(folder) as staging:
         orders = _orders(jobs, journal, reporter, made, None if pool.is_remote else staging)
-        for order, outcome in run(fulfil, orders, pool, lambda order, attempt: reporter.died(order.job, attempt)):
+        for order, outcome in run(fulfill, orders, pool, lambda order, attempt: reporter.died(order.job, attempt)):
             job: Job = order.job
             try:
                 record = _placed(job, outcome, staging / job.target.name)

@@ -47,7 +47,7 @@ def status(folder: Path) -> list[Finding]:
     """Return the state of each result of a folder: of the items of its sweep or, without a plan, of its records.
 
     A result is missing if its file or its record is missing, stale if it was made from another scene or with other
-    versions, corrupt if its file has changed, and unplanned if the sweep file, as it is now, has no such item.
+    versions, corrupt if its file has changed, and unplanned if the current sweep file has no such item.
 
     Raises:
         InputError: if there is neither a plan nor a manifest.

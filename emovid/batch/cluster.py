@@ -1,4 +1,4 @@
-"""A Dask cluster as a pool of workers. Results travel to the client, so workers need no folder in common with it."""
+"""A Dask cluster as a pool of workers. Workers send their results to the client, so they need no shared folder."""
 
 import logging
 import time

@@ -215,7 +215,7 @@ class Delivery:
     content: Mapping[str, bytes] | None = None
 
 
-def fulfil(order: Order, on_step: OnStep | None = None) -> Delivery:
+def fulfill(order: Order, on_step: OnStep | None = None) -> Delivery:
     """Do a job with the versions that were ordered, and refuse to do it with others.
 
     Raises:

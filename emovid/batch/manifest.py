@@ -29,7 +29,7 @@ from emovid.errors import EmovidError, InputError
 
 NAME, PLAN = "manifest.json", "plan.json"
 _PACE = 0.5  # seconds between two checks for the journals of other runs
-_HEARTBEAT, _LIFETIME = 5.0, 60.0  # seconds between two touches of a journal; without one it is of a dead run
+_HEARTBEAT, _LIFETIME = 5.0, 60.0  # seconds between two updates of a journal; without an update, its run is dead
 _JOURNAL, _LOCK = f".{NAME}.*.journal", f".{NAME}.lock"
 SECTIONS: Mapping[RecordKind, str] = {
     "video": "videos",

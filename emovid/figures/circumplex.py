@@ -61,7 +61,7 @@ def circumplex_figure(
     proportional: Literal["diameter", "area"] = "diameter",
     width: float = SINGLE_COLUMN,
 ) -> Figure:
-    """Draw a cross for each signalled emotion and beside it a bubble for each answer given, the most frequent first.
+    """Draw a cross for each signaled emotion and beside it a bubble for each answer given, the most frequent first.
 
     Bubbles have the colors of the perceived emotions and, where it fits, the number of answers in them. All bubbles of
     a figure share one scale.
@@ -70,7 +70,7 @@ def circumplex_figure(
         counts: (perceived, signalled) answers.
         signalled: labels of the videos.
         perceived: labels of the answers, as "none" after the emotions; the same as `signalled` if left out.
-        positions: of the signalled emotions.
+        positions: of the signaled emotions.
         proportional: what of a bubble is proportional to the answers; the paper's is the diameter, which makes twice as
             many answers look like four times as many.
         width: of the figure [in].

@@ -133,7 +133,7 @@ def perspective_figure(
 ) -> Figure:
     """Draw a snapshot of each run from its scene's camera, without trails as in the paper (Fig. 14).
 
-    Two panels stand side by side: in a third of a page, robots at the far edge would be half a millimetre high.
+    Two panels stand side by side: in a third of a page, robots at the far edge would be half a millimeter high.
 
     Args:
         runs: by emotion, on one stage.

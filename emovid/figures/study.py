@@ -39,7 +39,7 @@ class FigureData:
 
     Attributes:
         counts: (labels, emotions) answers.
-        emotions: signalled labels.
+        emotions: signaled labels.
         labels: answers on offer, the emotions first.
         groups: levels of each group.
     """

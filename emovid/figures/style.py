@@ -62,7 +62,7 @@ _LAYOUT_TABLES = ("GSUB", "GPOS", "GDEF", "kern")  # of fonts
 
 @contextmanager
 def in_style() -> Iterator[None]:
-    """Draw in the style of all figures; restore the user's settings afterwards."""
+    """Draw in the style of all figures; restore the user's settings afterward."""
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         matplotlib.rcParams.update(_STYLE)

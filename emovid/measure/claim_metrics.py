@@ -36,7 +36,7 @@ def claim_metrics(trajectory: Trajectory) -> dict[str, float]:
 
     - `slowest_second`, `fastest_second`: least and largest mean speed of the swarm in any second [m/s].
     - `liveliness`: slowest_second over speed_mean.
-    - `reverse_share`: share of the robots' time in which they drive backwards.
+    - `reverse_share`: share of the robots' time in which they drive backward.
     - `coarse_turning`: turning_per_metre with steps of four visible steps [rad/m].
     - `largest_turn`: largest turn between two of these steps [rad].
     - `look_ahead_steps`: l in visible steps.
@@ -101,7 +101,7 @@ def speeds_in_a_second(trajectory: Trajectory) -> tuple[float, float]:
 
 
 def reverse_share(trajectory: Trajectory) -> float:
-    """Return the share of the robots' time in which they drive backwards."""
+    """Return the share of the robots' time in which they drive backward."""
     v, seconds = trajectory.commands[..., 0], np.diff(trajectory.t)
     return float((seconds * (v < -_BACKWARDS * np.abs(v).max()).mean(axis=1)).sum() / seconds.sum())
 

@@ -90,7 +90,7 @@ def costs(window: Window) -> dict[str, float]:
 def recurrence(window: Window) -> float:
     """Return the smallest distance [m] between two states of the swarm that are 3 to 8 control periods apart.
 
-    The distance of two states is that of the robot that moved farthest: below a centimetre, an observer sees the same
+    The distance of two states is that of the robot that moved farthest: below a centimeter, an observer sees the same
     configuration again. NaN for a window of fewer periods.
     """
     trajectory = window.trajectory

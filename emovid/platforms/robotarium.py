@@ -207,7 +207,7 @@ def _table(poses: Array) -> str:
 
 
 def _parked(poses: Array, arena: Arena) -> Array:
-    """Return poses (N, 3) wider apart, from which all can drive straight, backwards, to the given ones.
+    """Return poses (N, 3) wider apart, from which all can drive straight, backward, to the given ones.
 
     Both coordinates grow from the middle of the swarm: on their way back, robots get no nearer than they will be.
     """

@@ -1,6 +1,6 @@
 """The files of the results folder: tables to compute with, as CSV, and to print, as Markdown and LaTeX.
 
-The confusion matrix is laid out as the paper's Table III: rows are the perceived labels, columns the signalled ones.
+The confusion matrix is laid out as the paper's Table III: rows are the perceived labels, columns the signaled ones.
 """
 
 from collections.abc import Sequence

@@ -115,7 +115,7 @@ class Responses:
         return [f"{names[0]}{more[note]}: {note}" for note, names in files.items() if note]
 
     def counts(self) -> NDArray[np.int64]:
-        """Return the confusion matrix (labels, signalled): rows perceived, columns signalled, as in Table III."""
+        """Return the confusion matrix (labels, signalled): rows perceived, columns signaled, as in Table III."""
         perceived = pd.Index(self.labels).get_indexer(self.answers["perceived"])
         signalled = pd.Index(self.signalled).get_indexer(self.answers["signalled"])
         matrix = np.zeros((len(self.labels), len(self.signalled)), dtype=np.int64)

@@ -24,9 +24,9 @@ WRITTEN = "files.sha256"  # list of the files of an analysis, in the format of s
 
 
 def read_matrix(path: Path) -> tuple[Counts, tuple[str, ...], tuple[str, ...]]:
-    """Return the counts, the perceived labels and the signalled labels of a file in the layout of `matrix_csv`.
+    """Return the counts, the perceived labels and the signaled labels of a file in the layout of `matrix_csv`.
 
-    The rows of the file can be in any order. The rows of the signalled labels are returned first, in the order of the
+    The rows of the file can be in any order. The rows of the signaled labels are returned first, in the order of the
     columns, so that the right answer to column j is in row j.
 
     Raises:

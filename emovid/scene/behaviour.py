@@ -90,7 +90,7 @@ class Gaussian(Keys):
 
 
 class Image(Keys):
-    """A density drawn by hand: a gray-scale picture over the upright rectangle around the stage."""
+    """A density drawn by hand: a grayscale picture over the upright rectangle around the stage."""
 
     kind: Literal["image"] = Field(description="a picture: darker is denser, white is zero")
     file: Annotated[str, Field(min_length=1, max_length=1000)] = Field(

@@ -17,7 +17,7 @@ _GREY_MODES = ("1", "L", "LA", "P", "RGB", "RGBA")
 
 
 class Grey(NamedTuple):
-    """A gray-scale picture.
+    """A grayscale picture.
 
     Attributes:
         width, height: in pixels.
@@ -43,7 +43,7 @@ def read_pictures(data: Any, folder: Path, places: Places) -> None:
         places: of the keys.
 
     Raises:
-        SourceError: for a file that cannot be read or is not a gray-scale PNG.
+        SourceError: for a file that cannot be read or is not a grayscale PNG.
     """
     path: KeyPath = ("behaviour", "density")
     density = _inside(_inside(data, "behaviour"), "density")

@@ -25,7 +25,7 @@ class Edge(NamedTuple):
     """The line of an edge: points (p, q) on it and inside have x p + y q <= offset.
 
     Attributes:
-        x, y: its unit normal, outwards.
+        x, y: its unit normal, outward.
         offset: its distance from the origin [m], negative if the origin is outside.
     """
 
@@ -82,7 +82,7 @@ def edges_of(outline: Outline) -> tuple[Edge, ...]:
 def inradius_of(outline: Outline) -> float:
     """Return the radius [m] of the largest circle inside.
 
-    All edges move inwards at the same speed. An edge of length L between corners that turn by a and b shrinks to a
+    All edges move inward at the same speed. An edge of length L between corners that turn by a and b shrinks to a
     point after L / (tan(a/2) + tan(b/2)), and its neighbors meet. If these are parallel, or diverge, nothing is left.
     """
     sides = [_from_to(a, b) for a, b in _pairs(outline)]

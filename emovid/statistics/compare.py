@@ -10,7 +10,7 @@ from emovid.statistics.goodness import DRAWS
 from emovid.statistics.groups import Pair, rate_pair
 from emovid.statistics.proportions import fisher_exact, holm, replication_bf, wilson
 
-Matrix = tuple[NDArray[np.int64], tuple[str, ...], tuple[str, ...]]  # counts, labels and signalled labels
+Matrix = tuple[NDArray[np.int64], tuple[str, ...], tuple[str, ...]]  # counts, labels and signaled labels
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """The confusion matrix and its errors: which wrong answers are frequent, and whether they are near neighbors.
 
-Counts are matrices (labels, signalled), rows perceived, whose first rows are the signalled labels in the order of the
+Counts are matrices (labels, signalled), rows perceived, whose first rows are the signaled labels in the order of the
 columns, as in `Responses`: the right answer to column j stands in row j, and everything else is an error.
 """
 
@@ -118,7 +118,7 @@ class NearNeighbors:
 
     Attributes:
         confusions: wrong answers, both emotions having a place on the circle.
-        mean_distance: of them from the signalled emotion [degrees]; NaN without confusions.
+        mean_distance: of them from the signaled emotion [degrees]; NaN without confusions.
         expected: mean of that under quasi-independence, given how many errors each video and each label has [degrees].
         p: one-sided, of a mean distance as small; NaN where the margins leave nothing to chance, as with two or three
             labels: the test cannot reject there.
@@ -144,7 +144,7 @@ def near_neighbors(counts: Counts, labels: Sequence[str], seed: int = 0) -> Near
     count as independent.
 
     Args:
-        counts: rows perceived, the first of them the signalled labels in the order of the columns.
+        counts: rows perceived, the first of them the signaled labels in the order of the columns.
         labels: of the rows; those without a place, and "none", are left out.
         seed: of the swaps.
     """

@@ -1,6 +1,6 @@
 """Recognition: how often each video's label was the answer, against guessing among the labels.
 
-Counts are confusion matrices (labels, signalled), rows perceived, whose first rows are the signalled labels in the
+Counts are confusion matrices (labels, signalled), rows perceived, whose first rows are the signaled labels in the
 order of the columns, as in `Responses`: the right answer to column j stands in row j. `uses` says, for each column, how
 often each participant gave each label (participants, k); it is needed where participants answered several videos of an
 emotion, since such answers depend on each other. Without it, answers to one emotion count as independent.
@@ -118,9 +118,9 @@ class Collapsed:
     """Recognition of a pole: positive or negative valence, high or low arousal.
 
     Attributes:
-        table: answers (2, 2), rows perceived and columns signalled, the True pole first. Each participant stands in it
+        table: answers (2, 2), rows perceived and columns signaled, the True pole first. Each participant stands in it
             several times, so it is not tested as a whole.
-        videos: by signalled label, for those that have a pole; a hit is any answer of the same pole.
+        videos: by signaled label, for those that have a pole; a hit is any answer of the same pole.
     """
 
     table: NDArray[np.int64]

@@ -24,8 +24,8 @@ class AnswerResults:
         n_responses: answers.
         counts: confusion matrix (labels, signalled).
         percent: of the columns (labels, signalled), NaN where a column is empty.
-        goodness_of_fit: of each signalled emotion.
-        recognition: of each signalled emotion.
+        goodness_of_fit: of each signaled emotion.
+        recognition: of each signaled emotion.
     """
 
     n_participants: int | None
@@ -71,7 +71,7 @@ class GroupDifferences:
     Attributes:
         confirmatory: whether the group was named beforehand; else it was found in the data, and is exploratory.
         scores: the mean scores.
-        videos: the hits on each signalled emotion.
+        videos: the hits on each signaled emotion.
     """
 
     confirmatory: bool
@@ -126,7 +126,7 @@ class StudyResults(AnswerResults):
     """The results of a study.
 
     Attributes:
-        emotions: signalled emotions, the columns of the matrix.
+        emotions: signaled emotions, the columns of the matrix.
         labels: answers on offer, its rows, the emotions first.
         n_videos: None where they are not known.
         videos: results of each video by its code, where an emotion has several; else empty.

@@ -24,7 +24,7 @@ class Showings:
         right: (showings,) place of the right answer.
         videos: (showings,) codes of the videos.
         k: labels.
-        emotions: signalled labels, the first of the k; some may have no showing.
+        emotions: signaled labels, the first of the k; some may have no showing.
     """
 
     choices: Choices
@@ -51,7 +51,7 @@ class Showings:
         return used
 
     def by_emotion(self) -> list[Choices]:
-        """Return `uses` of each signalled emotion."""
+        """Return `uses` of each signaled emotion."""
         return [self.uses(self.right == emotion) for emotion in range(self.emotions)]
 
     def of(self, people: NDArray[np.bool_]) -> "Showings":
@@ -60,7 +60,7 @@ class Showings:
 
 
 def showings_of(responses: Responses) -> Showings:
-    """Return the answers of a study, showings in the order of the signalled emotions."""
+    """Return the answers of a study, showings in the order of the signaled emotions."""
     answers = responses.answers
     emotion = pd.Index(responses.signalled).get_indexer(answers["signalled"])
     again = answers.groupby(["participant", "video"], sort=False).cumcount().to_numpy()

@@ -8,7 +8,7 @@ Guarded point. A body lies in a disk about a point q, a distance a ahead of the 
 velocity is linear in the command, u = [e, a e'] (v, omega), e the heading and e' its left: the barrier keeps the bodies
 themselves apart, and loses no spacing to a look-ahead point. The unknowns are the speeds z = (v, c omega), c half the
 wheel base: |z|^2 is half the sum of squares of the wheels' speeds, and the motors' limits are half-planes, so that no
-scaling is needed afterwards.
+scaling is needed afterward.
 
 Rate. With h = |q_i - q_j| - D and n the direction from i to j, the certificate is n . (u_i - u_j) <= gamma h:
 linear in h [m]. The Robotarium's has the cube of a difference of squares there, which slows robots many spacings apart.
@@ -19,7 +19,7 @@ With U the largest |u| that the motors allow and T the period,
     n . (u_i - u_j) + U T/2 (|omega_i| + |omega_j|) <= gamma h,    gamma T <= 1,
 
 therefore keeps |q_i - q_j| >= D at all times, not only at samples; a wall likewise, with D/2 and one robot. Standing
-still fulfils every row, so the program has a solution unless a robot is too near. Robots that start nearer than D have
+still fulfills every row, so the program has a solution unless a robot is too near. Robots that start nearer than D have
 to part; where the motors or other robots prevent that, they part as fast as they can and come no nearer, and the
 trajectory records it: bodies that start apart never touch.
 """
@@ -47,7 +47,7 @@ class Certified(NamedTuple):
         headings: (N,) [rad], those of omnidirectional robots changed with their velocities.
         commands: (N, 2).
         bend: distance from the nominal commands (N,) [m/s], in the speeds z.
-        relaxed: (N,), which robots were too near to another or a wall and could not part as demanded.
+        relaxed: (N,), robots too close to another or a wall that could not separate as required.
     """
 
     headings: Array
@@ -73,7 +73,7 @@ class _Rows(NamedTuple):
 
 
 def certified(poses: Array, commands: Array, seconds: float, robot: Robot, stage: Stage, safety: Barrier) -> Certified:
-    """Return the commands closest to the nominal ones that fulfil the certificate.
+    """Return the commands closest to the nominal ones that fulfill the certificate.
 
     Args:
         poses: (N, 3) at the start of the period.
@@ -92,7 +92,7 @@ def certified(poses: Array, commands: Array, seconds: float, robot: Robot, stage
 
 
 class _Motors:
-    """How the speeds z of a robot move the middle of its body, and which of them its motors allow.
+    """Motion of the center of a body by the speeds z, and the limits of its motors.
 
     Attributes:
         ahead: distance of the body's middle ahead of the pose [m].
@@ -184,7 +184,7 @@ def _rows(poses: Array, motors: _Motors, stage: Stage, spacing: float, gamma: fl
 
 
 def _solve(nominal: Array, rows: _Rows, motors: _Motors) -> tuple[Array, Mask]:
-    """Return the speeds (N, 2) closest to the nominal ones that fulfil rows and limits, and `Certified.relaxed`."""
+    """Return the speeds (N, 2) closest to the nominal ones that fulfill rows and limits, and `Certified.relaxed`."""
     nobody = np.zeros(len(nominal), dtype=bool)
     pair = rows.i != rows.j
     curved = np.abs(nominal[rows.i, 1]) + np.where(pair, np.abs(nominal[rows.j, 1]), 0.0)
@@ -220,7 +220,7 @@ def _solve(nominal: Array, rows: _Rows, motors: _Motors) -> tuple[Array, Mask]:
 
 
 def _nearly_within(wanted: Array, A: Array, b: Array) -> Array:
-    """Return the closest point (n,) that fulfils the rows with b < 0 as far as possible.
+    """Return the closest point (n,) that fulfills the rows with b < 0 as far as possible.
 
     The share of their demand that is missed is one more unknown, with a penalty; at 1, standing still is a solution.
     """

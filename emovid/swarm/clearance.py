@@ -2,7 +2,7 @@
 
 Under a held command the displacement is v times a curve that depends on heading and omega alone. So its reach toward a
 line has a closed form, which gives the largest v that keeps the center behind every line; omega stays as it is.
-Lines that are out of a robot's reach in a control period are left out.
+Lines beyond the reach of a robot in a control period are ignored.
 """
 
 from functools import lru_cache
@@ -86,7 +86,7 @@ def _fitting_share(poses: Array, commands: Array, seconds: float, facing: Array,
     robot that touches a wall could not drive along it.
     """
     v, omega = commands[:, 0], commands[:, 1]
-    heading = poses[:, 2] + np.where(v < 0, np.pi, 0.0)  # driving backwards is driving forwards, turned around
+    heading = poses[:, 2] + np.where(v < 0, np.pi, 0.0)  # driving backward is driving forward, turned around
     advance = np.abs(v) * farthest_advance(heading - facing, omega, seconds)
     room = np.maximum(slack, 0.0)
     too_far = advance > room + _ROUNDING

@@ -202,7 +202,7 @@ def picture_peaks(density: Image, stage: Stage) -> tuple[Array, Array, Array]:
     assert picture is not None
     left, bottom, right, top = stage.box
     grey = np.frombuffer(picture.values, np.uint8).reshape(picture.height, picture.width)
-    dark = 1 - grey[::-1].T / 255  # x, then y upwards
+    dark = 1 - grey[::-1].T / 255  # x, then y upward
     columns, rows = (int(np.ceil(extent / density.smoothing)) for extent in (right - left, top - bottom))
     across = np.einsum("cx,xy->cy", _averaging(columns, picture.width), dark)
     cells = np.einsum("cy,ry->cr", across, _averaging(rows, picture.height))

@@ -90,7 +90,7 @@ def followed_points(contour: Contour, theta_0: Array, t: float) -> Array:
 
 
 def start_headings(contour: Contour, theta_0: Array) -> Array:
-    """Return the directions (N,) [rad] in which the followed points set off: tangent to their paths at t = 0."""
+    """Return the directions (N,) [rad] in which the followed points start: tangent to their paths at t = 0."""
     r = radius(contour, theta_0, 0.0)
     along = contour.angular_rate * r
     outwards = np.zeros_like(r)
@@ -137,7 +137,7 @@ def mass_and_centroid(points: Array, corners: Array, density: Density) -> tuple[
 
 
 def lloyd(points: Array, corners: Array, density: Density, *, gain: float, steps: int = 200) -> Array:
-    """Return the points (N, 2) [m] where Lloyd's iteration settles: all points move at once to their centroids.
+    """Return the points (N, 2) [m] where Lloyd's iteration converges: all points move at once to their centroids.
 
     It ends when a step would lower the mean cost of the present cells by less than `gain` [m^2], or after `steps`.
     """

@@ -9,7 +9,7 @@ from scipy.optimize import nnls
 
 from emovid.swarm.arrays import Array
 
-# The last residual of the least squares is 1 / (1 + |x - p|^2), and 0 where no point fulfils all rows.
+# The last residual of the least squares is 1 / (1 + |x - p|^2), and 0 where no point fulfills all rows.
 _EMPTY = 1e-9
 
 

@@ -45,7 +45,7 @@ def start_poses(scene: Scene, rng: np.random.Generator) -> Array:
 def _on_contour(scene: Scene) -> Array:
     """Put the look-ahead points on the contour, heading along it, and the centers `l` behind them.
 
-    With the centers on the contour instead, v(0) = -K l: every robot would start backwards.
+    With the centers on the contour instead, v(0) = -K l: every robot would start backward.
     """
     contour = scene.behaviour
     assert isinstance(contour, ContourKeys)  # a valid scene has a contour to start on

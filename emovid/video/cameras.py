@@ -1,6 +1,6 @@
 """Cameras: from meters on the stage to pixels of a frame, from straight above or in perspective.
 
-Pixels are counted from the lower left corner of the frame, y upwards.
+Pixels are counted from the lower left corner of the frame, y upward.
 """
 
 from dataclasses import dataclass

@@ -40,7 +40,7 @@ class Canvas:
     """A picture with a background.
 
     Drawings cover the background until `restore` brings it back; `keep` makes them part of the background. Positions
-    are in pixels from the lower left corner, y upwards.
+    are in pixels from the lower left corner, y upward.
 
     Args:
         width, height: picture size [pixels].

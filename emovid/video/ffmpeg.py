@@ -28,7 +28,7 @@ from emovid.video.canvas import Pixels
 
 IDLE_TIMEOUT = 60.0  # seconds without progress, after which ffmpeg counts as hung
 RUN_TIMEOUT = 600.0  # seconds for a whole run that only reads a file
-_VARIABLE = "IMAGEIO_FFMPEG_EXE"  # by which imageio-ffmpeg takes another executable
+_VARIABLE = "IMAGEIO_FFMPEG_EXE"  # environment variable of imageio-ffmpeg for another executable
 _INSTALL = f"reinstall imageio-ffmpeg, or set {_VARIABLE}"
 _SYSTEM_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS, errno.EACCES, errno.ENOENT)
 
@@ -238,7 +238,7 @@ def _read_into(pipe: IO[bytes], frame: Pixels) -> int:
 
 
 def _end(process: Process | None) -> None:
-    """Leave no ffmpeg behind."""
+    """End ffmpeg if it still runs."""
     if process is None:
         return
     for pipe in filter(None, (process.stdin, process.stdout)):

@@ -180,7 +180,7 @@ VIEWS: dict[ViewName, type[OverheadView] | type[PerspectiveView]] = {
 
 
 def _floor(camera: PinholeCamera, scene: Scene, colours: Colours) -> Pixels:
-    """Return the empty room (height, width, 4): a floor that pales with distance, up to the horizon and above it."""
+    """Return the empty scene (height, width, 4): a floor that pales with distance, up to the horizon and above it."""
     surround, stage = (255 * np.array(to_rgb(colour)) for colour in (colours.surround, colours.stage))
     sky = surround + _SKY * (stage - surround)
     rows = camera.height - np.arange(camera.height) - 0.5  # centers of the pixels, from below

@@ -65,7 +65,7 @@ def analyze_matrix(counts: Path, seed: int = 0) -> Analysis:
 def write_analysis(analysis: Analysis, output: Path) -> str:
     """Write tables, figures and report into a folder; return the text of results.json.
 
-    Files of a former analysis in the folder go.
+    Files of a former analysis in the folder are removed.
 
     Raises:
         InputError: if one of the files exists and no analysis wrote it.
@@ -110,7 +110,7 @@ def _remove_former(output: Path, files: Mapping[str, bytes]) -> None:
 def compare_studies(
     original: Path, replication: Path, seed: int = 0, margin: float | None = None
 ) -> tuple[tuple[str, ...], Compared]:
-    """Return the signalled emotions of two analyses, and their comparison.
+    """Return the signaled emotions of two analyses, and their comparison.
 
     Raises:
         InputError: if the studies have different labels.

@@ -1,4 +1,4 @@
-"""Functions for notebooks and scripts that join several rooms: figures, kits, simulated responses, tables."""
+"""Functions for notebooks and scripts that join several packages: figures, kits, simulated responses, tables."""
 
 from pathlib import Path
 
@@ -58,7 +58,7 @@ def simulate_responses(participants: int = 45, accuracy: float = ACCURACY, seed:
 
 
 def confusion_table(study: Responses | StudyResults) -> pd.DataFrame:
-    """Return the confusion matrix of a study with its labels: counts; rows perceived, columns signalled."""
+    """Return the confusion matrix of a study with its labels: counts; rows perceived, columns signaled."""
     counts = study.counts() if isinstance(study, Responses) else study.counts
     columns = study.signalled if isinstance(study, Responses) else study.emotions
     rows, columns = pd.Index(study.labels, name="perceived"), pd.Index(columns, name="signalled")

@@ -21,7 +21,7 @@ SHEET = ".png"
 _WIDTH = 320  # of the loop, and of each picture of a contact sheet [pixels]
 _FPS = 10
 _ROWS, _COLUMNS = 2, 3  # of a contact sheet
-_PAUSE = 0.1  # seconds between two looks at the file
+_PAUSE = 0.1  # seconds between two checks of the file
 
 
 def write_preview(run: Trajectory, target: Path, *, force: bool) -> None:

@@ -11,7 +11,7 @@ import pytest
 from emovid.atomic_io import file_digest, owner
 from emovid.batch import manifest
 from emovid.batch.cache import find_current, is_current, make_missing
-from emovid.batch.job import Delivery, Job, Order, fulfil, make
+from emovid.batch.job import Delivery, Job, Order, fulfill, make
 from emovid.batch.manifest import Journal, read_manifest
 from emovid.batch.workers import InProcess
 from emovid.errors import EmovidError
@@ -60,7 +60,7 @@ def test_a_worker_refuses_to_start_with_other_versions(job) -> None:
     with pytest.raises(
         Exception, match=rf"other versions: numpy {here['numpy']}, here 1\.0; code {here['code']}, here"
     ):
-        fulfil(Order(job, expected, job.target.parent / "nowhere"))
+        fulfill(Order(job, expected, job.target.parent / "nowhere"))
     assert job.target.read_bytes() == b"the old one"
 
 
@@ -97,7 +97,7 @@ def test_worker_error_names_the_final_file(job) -> None:
     job.target.parent.chmod(0o755)
     order = Order(job, job.recipe.versions, job.target.parent / "missing")
     with pytest.raises(EmovidError, match="cannot be written: no such file or directory") as error:
-        fulfil(order)
+        fulfill(order)
     assert str(error.value).startswith(f"{job.target}: ")
 
 

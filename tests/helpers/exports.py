@@ -24,7 +24,7 @@ ANSWERS = {p: {code: answer(i, j) for j, code in enumerate(CODES)} for i, p in e
 ORDER = {p: [list(CODES)[(i + k) % 6] for k in range(6)] for i, p in enumerate(PEOPLE)}
 COUNTS = [
     [sum(ANSWERS[p][code] == label for p in PEOPLE) for code in CODES] for label in EMOTIONS
-]  # rows perceived, columns signalled
+]  # rows perceived, columns signaled
 ADJECTIVES = dict(zip(EMOTIONS, ("Happy", "Surprised", "angry ", "Afraid", "DISGUSTED", "Sad"), strict=True))
 NUMBERS = {label: str(i) for i, label in enumerate(EMOTIONS, start=1)}
 

@@ -1,4 +1,4 @@
-"""Table III of the paper, as counts: rows perceived, columns signalled, in the order of `EMOTIONS`."""
+"""Table III of the paper, as counts: rows perceived, columns signaled, in the order of `EMOTIONS`."""
 
 import numpy as np
 

@@ -25,7 +25,7 @@ def test_only_coverage_scenes_use_their_seed() -> None:
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_the_shipped_scenes_fulfil_the_claims_on_any_seed(seed: int) -> None:
+def test_the_shipped_scenes_fulfill_the_claims_on_any_seed(seed: int) -> None:
     verdicts = judge(shipped(seed))
     assert [verdict.claim for verdict in verdicts if not verdict.holds] == []
     assert len(verdicts) == len(CLAIMS)

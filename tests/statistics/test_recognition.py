@@ -90,7 +90,7 @@ def test_verdict(column: list[int], expected: str) -> None:
 
 
 def test_wagner_example_of_unbiased_hit_rates() -> None:
-    # The example of stats.stackexchange 156774 has the signalled emotion in rows.
+    # The example of stats.stackexchange 156774 has the signaled emotion in rows.
     counts = np.array([[4, 1, 0, 1], [0, 3, 2, 1], [0, 0, 6, 0], [2, 0, 0, 4]]).T
     assert unbiased_hit_rates(counts) == pytest.approx([0.444, 0.375, 0.750, 0.444], abs=5e-4)
 

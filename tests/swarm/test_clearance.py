@@ -61,7 +61,7 @@ def test_commands_are_shortened_no_more_than_necessary(seed: int) -> None:
     assert (share[free] == 1).all()
 
 
-def test_a_robot_at_the_edge_may_drive_away_and_backwards() -> None:
+def test_a_robot_at_the_edge_may_drive_away_and_backward() -> None:
     poses = np.array([[0.58, 0, 0], [0.58, 0, 0], [0.58, 0, np.pi], [0.58, 0, np.pi / 2]])
     commands = np.array([[0.1, 0], [-0.1, 0], [0.1, 0], [0.1, 0]])
     assert share_on_stage(poses, commands, SECONDS, STAGE, RADIUS) == pytest.approx([0, 1, 1, 1])

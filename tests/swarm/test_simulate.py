@@ -151,7 +151,7 @@ def test_look_ahead_points_follow_at_the_gain_and_lag_of_a_first_order_system(ma
     assert np.mod(lag, 2 * np.pi) == pytest.approx(np.full(15, np.arctan2(2, 4)), abs=2e-3)
 
 
-def test_contour_robots_never_start_backwards(runs) -> None:
+def test_contour_robots_never_start_backward(runs) -> None:
     for emotion in ("happiness", "surprise", "sadness"):
         assert (runs[emotion].commands[:60, :, 0] >= -1e-12).all()
 

@@ -54,7 +54,7 @@ def test_cells_agree_with_qhull(robots: int) -> None:
 
 
 def test_wrong_triangulations_of_qhull_are_detected() -> None:
-    # Twelve robots within a tenth of a micrometre: Qhull returns an invalid triangulation without an error.
+    # Twelve robots within a tenth of a micrometer: Qhull returns an invalid triangulation without an error.
     rng = np.random.default_rng(35)
     apart = rng.uniform([-0.6, -0.4], [0.6, 0.4], (12, 2))
     points = np.concatenate([apart, rng.normal(0, 1e-7, (12, 2))])
