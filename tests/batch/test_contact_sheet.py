@@ -65,7 +65,7 @@ def test_sheet_is_rebuilt_only_when_its_pictures_change(draw) -> None:
     assert draw("seeds: [2, 3]").read_bytes() == shown
 
 
-def test_too_many_rows_make_no_sheet(draw, monkeypatch) -> None:
+def test_no_sheet_is_made_for_too_many_rows(draw, monkeypatch) -> None:
     monkeypatch.setattr(contact_sheet, "MAX_SIDE", 2)
     assert draw("seeds: 2").exists()
     draw("seeds: 2").unlink()

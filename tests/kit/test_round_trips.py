@@ -69,7 +69,7 @@ def written(path: Path, text: str) -> Path:
 
 @pytest.mark.parametrize("full", [True, False], ids=["full answers", "answer codes"])
 @pytest.mark.parametrize("headings", ["code", "full", "codetext"])
-def test_limesurvey(kit, given, tmp_path, headings, full) -> None:
+def test_limesurvey_answers_are_read_back(kit, given, tmp_path, headings, full) -> None:
     rows = rows_of((kit.folder.exports / "limesurvey" / "survey.txt").read_text())
     code_of = dict(zip(list_of_labels(kit), CODES, strict=True))
     people = []
@@ -93,7 +93,7 @@ def list_of_labels(kit: Kit) -> list[str]:
 
 
 @pytest.mark.parametrize("numbers", [True, False], ids=["numeric values", "choice text"])
-def test_qualtrics(kit, given, tmp_path, numbers) -> None:
+def test_qualtrics_answers_are_read_back(kit, given, tmp_path, numbers) -> None:
     survey = (kit.folder.exports / "qualtrics" / "survey.txt").read_text()
     names = [name for name in re.findall(r"^\[\[ID:(\w+)\]\]$", survey, re.MULTILINE) if name not in PAGES]
     texts = {choice.label: choice.text for choice in kit.manifest.choices.labels}
@@ -114,7 +114,7 @@ def test_qualtrics(kit, given, tmp_path, numbers) -> None:
 
 
 @pytest.mark.parametrize("component", ["button", "mouse", "slider"])
-def test_psychopy(kit, given, tmp_path, component) -> None:
+def test_psychopy_answers_are_read_back(kit, given, tmp_path, component) -> None:
     """PsychoPy writes a BOM, a comma at the end of each line, and one file for each participant."""
     folder = tmp_path / "data"
     folder.mkdir()

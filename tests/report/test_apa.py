@@ -28,7 +28,7 @@ ROW = np.array([20, 7, 5, 5, 4, 4])
         (float("nan"), "p n/a"),
     ],
 )
-def test_p(p: float, expected: str) -> None:
+def test_p_values_are_formatted(p: float, expected: str) -> None:
     assert apa.p_value(p) == expected
 
 
@@ -41,11 +41,11 @@ def test_p_value_names_its_method() -> None:
 @pytest.mark.parametrize(
     ("value", "expected"), [(0.5, "0.50"), (-0.5, "−0.50"), (-0.001, "0.00"), (12.345, "12.35"), (np.nan, "n/a")]
 )
-def test_number(value: float, expected: str) -> None:
+def test_numbers_are_formatted(value: float, expected: str) -> None:
     assert apa.number(value + 1e-9 if value > 1 else value) == expected
 
 
-def test_goodness() -> None:
+def test_sentences_of_goodness_of_fit() -> None:
     assert apa.goodness(goodness_of_fit(ROW)) == "χ²(5, N = 45) = 25.80, p < .001, w = 0.76"
     row = goodness_of_fit(np.array([6, 2, 1, 1, 1, 1]))
     assert apa.goodness_exact(row) == "χ²(5, N = 12) = 10.00, exact p = .083, w = 0.91"
@@ -54,7 +54,7 @@ def test_goodness() -> None:
     assert apa.goodness(goodness_of_fit(ROW * 0)) == "χ²(5, N = 0) = n/a, p n/a, w = n/a"
 
 
-def test_proportion_and_binomial() -> None:
+def test_sentences_of_proportion_and_binomial() -> None:
     (test, *_) = recognize(np.column_stack([ROW, 0 * ROW]))
     rate = apa.proportion(test.hits, test.n, test.ci_low, test.ci_high)
     assert rate == "20/45 (44.4%, 95% CI [30.9, 58.8])"
@@ -62,7 +62,7 @@ def test_proportion_and_binomial() -> None:
     assert apa.proportion(0, 0, 0, 1) == "0/0"
 
 
-def test_within_participants() -> None:
+def test_sentences_of_tests_within_participants() -> None:
     assert apa.cochrans_q(VideosDiffer(3.3333, 5, 0.6487, 4, 4, 5)) == "Q(5, n = 4) = 3.33, p = .649"
     nan = float("nan")
     undefined = apa.cochrans_q(VideosDiffer(5.0, 5, nan, 4, 1, 40))
@@ -79,7 +79,7 @@ def test_within_participants() -> None:
     assert apa.label_use(unknown) == "undefined: 2 participants with errors"
 
 
-def test_groups() -> None:
+def test_sentences_of_groups() -> None:
     scores = ScoresDiffer(("no", "yes"), (3, 4), (0.5, 0.25), 0.1143, 0.2286, "exact", True, 0, None, (), ())
     assert (
         apa.scores_differ(scores) == "no 50.0%, yes 25.0%: studentized permutation test, exact p = .114, Holm p = .229"
@@ -99,7 +99,7 @@ def test_rates_are_reported_with_the_test_used(method: str, draws: int, said: st
     assert apa.rates_differ(rates) == f"no 18/29, yes 11/16: {said}, Holm p = 1.000"
 
 
-def test_differences() -> None:
+def test_sentences_of_differences() -> None:
     nan = float("nan")
     numbers = -0.0668, -0.3154, 0.2204, 0.2816
     text = "−6.7 points, 95% CI [−31.5, 22.0], "
@@ -112,7 +112,7 @@ def test_differences() -> None:
     assert apa.difference(Pair(("a", "b"), 0.5, nan, nan, nan, nan, None, nan)) == "50.0 points, no interval"
 
 
-def test_all_answers_together() -> None:
+def test_sentence_of_all_answers_together() -> None:
     matrix = np.diag([10, 10]) + np.array([[0, 5], [5, 0]])
     assert apa.sentence(accuracy(matrix)) == "20/30 (66.7%)"
     known = accuracy(matrix, np.array([2] * 10 + [0] * 5), np.full(15, 2))
@@ -134,7 +134,7 @@ def test_only_tests_have_a_sentence() -> None:
     ("bf01", "expected"),
     [(3.214, "= 3.21"), (0.0512, "= 0.051"), (1e-5, "< 0.001"), (5e6, "> 1,000"), (113.07, "= 113.07")],
 )
-def test_bayes_factor(bf01: float, expected: str) -> None:
+def test_sentences_of_bayes_factors(bf01: float, expected: str) -> None:
     assert apa.bayes_factor(bf01) == f"BF01 {expected}"
 
 

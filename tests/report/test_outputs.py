@@ -226,7 +226,7 @@ def test_report_is_self_contained() -> None:
     assert "is supported: 6 of 6" in page
 
 
-def test_a_report_judges_the_videos_shown_and_counts_participants_without_answers() -> None:
+def test_report_covers_shown_videos_and_participants_without_answers() -> None:
     study = responses(TABLE_III)
     labels = (*EMOTIONS, "neutral")
     silent = study.participants.assign(hand=["", *study.participants["hand"][1:]])

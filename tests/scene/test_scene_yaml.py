@@ -47,7 +47,7 @@ def assert_scene_or_one_line(text):
         (".NaN", float("nan")),
     ],
 )  # fmt: skip
-def test_numbers(text, number):
+def test_numbers_are_read(text, number):
     assert repr(value_of(text)) == repr(number)  # by repr: 1 is not 1.0, -0.0 not 0.0, and nan is nan
 
 
@@ -71,12 +71,12 @@ def test_quoted_and_plain_text_stays_text(text):
         ("'true'", "true"), ('"#112233"', "#112233"), ('""', ""),
     ],
 )  # fmt: skip
-def test_words_and_quotes(text, value):
+def test_words_and_quoted_text_are_read(text, value):
     assert value_of(text) is value if value in (True, False, None) else value_of(text) == value
 
 
 @pytest.mark.parametrize("key", ["on", "no", "1", "null", "1e3", "2020-01-01", "<<", "="])
-def test_keys_are_text(key):
+def test_keys_are_read_as_text(key):
     assert read_yaml(f"{key}: 1\n", "scene.yaml")[0] == {key: 1}
 
 
@@ -84,7 +84,7 @@ def test_keys_are_text(key):
     ("text", "value"),
     [("1e-3", 0.001), ("#112233", "#112233"), ("", None), ("  ", None), ("[1, 2]", [1, 2]), ("{a: b}", {"a": "b"})],
 )
-def test_single_values(text, value):
+def test_single_values_are_read(text, value):
     assert read_value(text, "--set x") == value
 
 

@@ -52,7 +52,7 @@ def test_overall_statistic_is_the_sum_over_videos() -> None:
     assert test.p_monte_carlo == pytest.approx(test.p, abs=0.03)
 
 
-def test_differences_are_replication_less_original() -> None:
+def test_differences_are_replication_minus_original() -> None:
     first = compare(A, B).videos[0]
     assert (first.hits, first.n) == ((29, 14), (45, 26))
     assert first.rates.difference == pytest.approx(14 / 26 - 29 / 45)
@@ -65,7 +65,7 @@ def test_comparison_of_two_labels_agrees_with_fisher() -> None:
         assert video.p == pytest.approx(fisher_exact([a[:, j], b[:, j]]).pvalue, abs=0.02)
 
 
-def test_holm_and_seed() -> None:
+def test_holm_correction_and_seed_of_a_comparison() -> None:
     test = compare(A, B, seed=9)
     smallest = min(video.p for video in test.videos)
     assert min(video.p_holm for video in test.videos) == pytest.approx(min(1, 3 * smallest))

@@ -18,7 +18,7 @@ def test_every_test_file_named_in_the_tables_exists() -> None:
 
 
 @pytest.mark.parametrize(("name", "situation", "nominal", "found", "error"), ROWS)
-def test_sizes_and_coverages_hold(name, situation, nominal, found, error) -> None:
+def test_sizes_and_coverages_are_near_nominal(name, situation, nominal, found, error) -> None:
     # Three standard errors, plus two percentage points for tests that are not exact.
     slack = 3 * float(error) + 0.02
     if float(nominal) < 0.5:

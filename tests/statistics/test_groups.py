@@ -157,7 +157,7 @@ def test_a_group_without_answers_to_a_video() -> None:
     assert second.n == (2, 2)
 
 
-def test_newcombes_example() -> None:
+def test_newcombe_example() -> None:
     assert newcombe((56, 48), (70, 80)) == pytest.approx((0.0524, 0.3339), abs=5e-5)
 
 

@@ -184,7 +184,7 @@ def test_unequal_recognition_does_not_give_a_label_preference() -> None:
     assert rejected < 0.05 + 3 * np.sqrt(0.05 * 0.95 / 400)
 
 
-def test_how_often_labels_are_given() -> None:
+def test_frequencies_of_labels() -> None:
     test = label_use(shown(np.array([[0, 0, 1], [0, 0, 0], [0, 1, 2]]), 3))
     assert test.totals.tolist() == [6, 2, 1]
     assert test.never == pytest.approx([0, 1 / 3, 2 / 3])

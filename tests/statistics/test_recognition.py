@@ -85,7 +85,7 @@ def test_video_without_answers() -> None:
         ([0, 0, 0], "neither"),
     ],
 )
-def test_verdict(column: list[int], expected: str) -> None:
+def test_verdicts_by_hand(column: list[int], expected: str) -> None:
     assert verdict(np.array(column), 0) == expected
 
 
@@ -146,7 +146,7 @@ def test_interval_of_perfect_answers_does_not_collapse() -> None:
     assert intervals[0, 0] == pytest.approx(0.704, abs=5e-4)
 
 
-def test_wagners_chance_level() -> None:
+def test_wagner_chance_level() -> None:
     # The share of the label times that of the video (Wagner 1993): 66 and 45 of 270.
     assert unbiased_chance(TABLE_III)[3] == pytest.approx(59 / 270 * 45 / 270)
     assert unbiased_chance(np.full((6, 6), 4)) == pytest.approx(1 / 36)

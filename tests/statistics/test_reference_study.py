@@ -78,7 +78,7 @@ def test_29_have_no_robotics_background(people) -> None:
     assert people["robotics_background"].value_counts().to_dict() == {"no": 29, "yes": 16}
 
 
-def test_ages(people) -> None:
+def test_age_groups_match_the_publication(people) -> None:
     percent = (people["age"].value_counts(normalize=True) * 100).round(1)
     assert percent.to_dict() == {"18-24": 31.1, "25-34": 60.0, "35-44": 6.7, "45-54": 2.2}
 

@@ -55,7 +55,7 @@ def test_a_step_toward_the_centroids_never_raises_the_cost(kind: str, seed: int,
         before = after
 
 
-def test_a_step_away_from_the_centroids_raises_it() -> None:
+def test_step_away_from_the_centroids_raises_the_cost() -> None:
     points = random_points(6, 1)
     away = points - 0.2 * (mass_and_centroid(points, CORNERS, DENSITIES["uniform"])[1] - points)
     assert locational_cost(away, CORNERS, DENSITIES["uniform"]) > locational_cost(points, CORNERS, DENSITIES["uniform"])

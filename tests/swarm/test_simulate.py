@@ -79,7 +79,7 @@ def test_fear_scatters(runs) -> None:
     assert nearest(runs["fear"], 15) > 1.8 * nearest(runs["fear"], 0)
 
 
-def test_disgust_moves_outwards_to_the_boundary(runs) -> None:
+def test_disgust_moves_outward_to_the_boundary(runs) -> None:
     distances = [edge_distance(runs["disgust"], t) for t in (0, 5, 12)]
     assert distances[0] > distances[1] > distances[2]
     assert distances[2] < 0.12
@@ -156,7 +156,7 @@ def test_contour_robots_never_start_backward(runs) -> None:
         assert (runs[emotion].commands[:60, :, 0] >= -1e-12).all()
 
 
-def test_a_single_integrator_goes_straight_for_its_target(make_scene) -> None:
+def test_single_integrator_moves_straight_to_its_target(make_scene) -> None:
     scene = make_scene("fear", {"robot.model": "single_integrator", "duration": 2, "robot.K": 1.0})
     run = simulate(scene)
     assert (run.commands[..., 1] == 0).all()
@@ -164,7 +164,7 @@ def test_a_single_integrator_goes_straight_for_its_target(make_scene) -> None:
     assert np.arctan2(step[:, 1], step[:, 0]) == pytest.approx(run.poses[0, :, 2], abs=1e-6)
 
 
-def test_limits_hold_throughout(make_scene) -> None:
+def test_motor_limits_hold_throughout(make_scene) -> None:
     run = simulate(make_scene("anger", {"robot.limits.wheel_max": 0.1, "duration": 3}))
     wheels = np.abs(run.commands[..., 0]) + 0.0175 * np.abs(run.commands[..., 1])
     assert wheels.max() <= 0.1 + 1e-12

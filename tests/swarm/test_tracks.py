@@ -47,14 +47,14 @@ def long_csv(path: Path, frames: bool = False) -> None:
 
 
 @pytest.mark.parametrize("frames", [False, True])
-def test_a_long_csv(tmp_path, frames) -> None:
+def test_long_csv_is_read(tmp_path, frames) -> None:
     long_csv(tmp_path / "real.csv", frames)
     columns = {"frame": "frame"} if frames else {"time": "sec"}
     track = described(tmp_path, file="real.csv", format="long", columns=columns, rate=10 if frames else None)
     expect_motion(load_track(track))
 
 
-def test_deeplabcut_of_one_body_part_and_of_several_individuals(tmp_path) -> None:
+def test_deeplabcut_files_with_one_body_part_or_several_individuals_are_read(tmp_path) -> None:
     x, y = pixels()
     heads = [
         "scorer,s,s,s,s,s,s",
@@ -127,7 +127,7 @@ def test_start_and_end_leave_out_the_parts_in_which_a_robot_is_missing(tmp_path)
 
 
 @pytest.mark.parametrize("timed", [True, False])
-def test_idtracker(tmp_path, timed) -> None:
+def test_idtracker_session_is_read(tmp_path, timed) -> None:
     folder = tmp_path / "session" / "trajectories" / "trajectories_csv"
     folder.mkdir(parents=True)
     x, y = pixels()
@@ -142,7 +142,7 @@ def test_idtracker(tmp_path, timed) -> None:
             load_track(described(tmp_path, file="session", format="idtracker"))
 
 
-def test_a_ros_bag_of_pose_arrays(tmp_path) -> None:
+def test_ros_bag_of_pose_arrays_is_read(tmp_path) -> None:
     rosbag2 = pytest.importorskip("rosbags.rosbag2")
     from rosbags.typesys import Stores, get_typestore
 
@@ -190,7 +190,7 @@ def test_description_without_required_keys_is_refused(tmp_path, keys, words) -> 
         load_track(described(tmp_path, **every))
 
 
-def test_a_simulated_csv_comes_back_as_recorded_motion(tmp_path) -> None:
+def test_simulated_csv_is_read_as_recorded_motion(tmp_path) -> None:
     scene = load_scene("fear", {"duration": 3})
     run = simulate(scene)
     save_trajectory(run, tmp_path / "fear.csv")

@@ -105,7 +105,7 @@ def test_wheels_are_drawn_beside_the_body(make_scene) -> None:
 
 
 @pytest.mark.parametrize("model", shipped_robots())
-def test_the_drawn_outline_lies_within_the_body_that_spacing_is_measured_with(model) -> None:
+def test_drawn_outline_fits_in_the_spacing_radius(model) -> None:
     body = load_robot(model)
     corners = np.concatenate([np.asarray(path.vertices) for path in robot_parts(body).values()])
     assert np.hypot(*corners.T).max() <= body.radius + 1e-12
