@@ -15,11 +15,13 @@ from pathlib import Path
 from statistics import median
 from typing import Literal
 
+import numpy as np
 from processes import cost
 
 from emovid.scene.load import load_scene
 from emovid.swarm.simulate import simulate
 from emovid.video import ffmpeg
+from emovid.video.canvas import Change
 from emovid.video.encoder import video_arguments
 from emovid.video.pixel_formats import Yuv420
 from emovid.video.render import frames
@@ -147,12 +149,13 @@ def encoding_alone(rounds: int, folder: Path) -> float:
     """
     run = simulate(load_scene("anger"))
     video = run.scene.video
-    whole = [(0, video.height, 0, video.width)]
+    everywhere = np.arange(video.width * video.height)
     command = [ffmpeg.executable(), *video_arguments(video), "alone.mp4"]
     times = []
     for _ in range(rounds):
         convert = Yuv420(video.width, video.height).convert
-        times.append(cost(command, folder, (convert(frame, whole).data for frame in frames(run))).cpu)
+        changes = ((frame, Change(everywhere, frame.reshape(-1).view(np.uint32))) for frame in frames(run))
+        times.append(cost(command, folder, (convert(*change).data for change in changes)).cpu)
     return median(times)
 
 

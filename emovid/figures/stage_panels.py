@@ -23,7 +23,7 @@ from emovid.swarm.laws import corners_of
 from emovid.swarm.trajectory import Trajectory
 from emovid.video.cameras import PinholeCamera
 from emovid.video.robots import RobotColours, robot_parts, robot_rim, robot_solids
-from emovid.video.trails import Trails, oldest, ribbon, shades, spans, trailed_robots
+from emovid.video.trails import Trails, faded, oldest, ribbon, spans, trail_colours, trailed_robots
 
 LINE = 1.4 * TEXT  # height of a line of text beside a panel [pt]
 PAPER = THEMES["light"].model_copy(update={"stage": "#ffffff", "surround": "#ffffff"})
@@ -140,16 +140,16 @@ def draw_trails(
     look, colours, point = trajectory.scene.video.trails, print_colours(trajectory.scene), scale_of(axes)
     robots = trailed_robots(trajectory.poses[0], look.robots)
     trails = Trails(trajectory, robots, _FLATNESS / point / (camera.max_scale if camera else 1))
-    faded = shades(colours, len(robots))
-    parts = [(span, trails.pieces(span, oldest(look, until))) for span in spans(look, until)]
-    pieces = [piece for _, made in parts for piece in made]
-    rgba = [tuple(colour) for span, made in parts for colour in faded[span.shade][: len(made)].tolist()]
+    shown = spans(look, until)
+    pieces = [piece for span in shown for piece in trails.pieces(span, oldest(look, until))]
+    mixed = faded(trail_colours(colours, len(robots)), colours.stage, [span.share for span in shown])
+    rgba = [tuple(colour) for colour in mixed.tolist()]
     if camera is None:
         draw_lines(axes, [piece.line for piece in pieces], rgba, max(look.width * point, thinnest))
     elif pieces:
         width = max(look.width, thinnest / point / camera.scale)
         ribbons = [ribbon(camera, piece.line, width, piece.before) for piece in pieces]
-        _fill(axes, [made.path for made in ribbons], rgba, 2)
+        _fill(axes, ribbons, rgba, 2)
 
 
 def draw_lines(axes: Axes, lines: Sequence[Array], colours: Sequence[ColorType], width: float) -> None:

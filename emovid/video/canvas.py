@@ -1,4 +1,4 @@
-"""A picture that matplotlib's Agg draws into one buffer, with a record of the parts that have changed.
+"""A picture that matplotlib's Agg draws into one buffer, and the pixels that differ from the picture before.
 
 Everything goes through `draw_path_collection`: unlike markers it does not snap to whole pixels, which would make slow
 robots jerk, and unlike lines it neither simplifies paths nor reads the user's matplotlibrc.
@@ -17,11 +17,20 @@ from numpy.typing import NDArray
 from emovid.swarm.arrays import Array
 
 Pixels = NDArray[np.uint8]
-Box = tuple[int, int, int, int]  # first row, row after the last, first column, column after the last
 
-_EDGES = 8  # of a line that share a box: fewer take more time, more cover pixels that the line does not touch
-_BLUR = 1  # pixels outside an outline that anti-aliasing may touch
 _AS_IS, _NONE, _NO_TURNS, _NO_PLACES = IdentityTransform(), np.empty((0, 4)), np.empty((0, 3, 3)), np.empty((0, 2))
+
+
+class Change(NamedTuple):
+    """The pixels in which two pictures of one size differ.
+
+    Attributes:
+        where: index of each such pixel, row by row (P,).
+        pixels: the new pixels (P,): red + 2^8 green + 2^16 blue + 2^24 alpha.
+    """
+
+    where: NDArray[np.intp]
+    pixels: NDArray[np.uint32]
 
 
 class Layer(NamedTuple):
@@ -62,20 +71,17 @@ class Canvas:
         self.pixels: Pixels = np.asarray(self._renderer.buffer_rgba())
         self.pixels[:] = np.round(255 * np.array(to_rgba(colour)))
         self._background = self.pixels.copy()
-        self._whole: Box = (0, height, 0, width)
-        self._covered: list[Box] = []  # parts in which the picture is not the background
-        self._changed: list[Box] = [self._whole]
+        self._flat = self.pixels.reshape(-1).view("<u4")
+        self._last = ~self._flat  # differs everywhere
 
-    def stamp(self, layers: Sequence[Layer], turns: Array, places: Array, reach: float) -> None:
+    def stamp(self, layers: Sequence[Layer], turns: Array, places: Array) -> None:
         """Draw outlines at several places, layer by layer.
 
         Args:
             layers: the first at the bottom.
             turns: rotation and scale (N, 3, 3) from the outlines' units to pixels.
             places: positions of their origins (N, 2).
-            reach: largest distance of an outline from its origin [pixels].
         """
-        self._cover(places - reach, places + reach)
         for layer in layers:
             self._collection([layer.path], layer.face, _NONE, 0.0, turns, places)
 
@@ -87,80 +93,41 @@ class Canvas:
             colours: (1, 4), or one for each line.
             width: [pixels].
         """
-        points = np.concatenate(lines)
-        low, high = np.minimum(points[:-1], points[1:]), np.maximum(points[:-1], points[1:])
-        starts: list[int] = []  # of groups of edges
-        ours: list[bool] = []  # whether they belong to a line, and not to the gap from one line to the next
-        first = 0
-        for line in lines:
-            last = first + len(line) - 1
-            groups = range(first, last, _EDGES)
-            starts += [*groups, last]
-            ours += [*(True for _ in groups), False]
-            first = last + 1
-        real, reach = np.array(ours[:-1]), width / 2
-        low, high = np.minimum.reduceat(low, starts[:-1])[real], np.maximum.reduceat(high, starts[:-1])[real]
-        self._cover(low - reach, high + reach)
-        self._collection([Path(line) for line in lines], _NONE, colours, width)
+        self.strokes([Path(line) for line in lines], colours, width)
 
     def polygon(self, corners: Array, face: str, edge: str, width: float) -> None:
         """Draw a polygon (C, 2) with a line of `width` [pixels] around it, all of it outside."""
         outline = Path(np.concatenate([corners, corners[:1]]), closed=True)
-        self._cover(corners.min(axis=0)[None] - width, corners.max(axis=0)[None] + width)
         self._collection([outline], _NONE, rgba([edge]), 2 * width)
         self._collection([outline], rgba([face]), _NONE, 0.0)
 
-    def fill(self, outlines: Sequence[Path], colours: Array, low: Array, high: Array) -> None:
-        """Fill outlines [pixels], one over the other.
+    def strokes(self, paths: Sequence[Path], colours: Array, width: float) -> None:
+        """Draw paths [pixels] as `lines` does its lines."""
+        self._collection(paths, _NONE, colours, width)
 
-        Args:
-            outlines: at least one.
-            colours: (1, 4), or one for each outline.
-            low: lower left corners of boxes (B, 2) that together hold them [pixels].
-            high: their upper right corners.
-        """
-        self._cover(low, high)
+    def fill(self, outlines: Sequence[Path], colours: Array) -> None:
+        """Fill outlines [pixels], at least one, one over the other; colors are (1, 4), or one for each outline."""
         self._collection(outlines, colours, _NONE, 0.0)
 
     def restore(self) -> None:
-        """Bring back the background wherever something covers it."""
-        for top, bottom, left, right in self._covered:
-            self.pixels[top:bottom, left:right] = self._background[top:bottom, left:right]
-        self._changed += self._covered
-        self._covered = []
+        """Bring back the background."""
+        np.copyto(self.pixels, self._background)
 
     def keep(self) -> None:
         """Make the picture the background."""
-        for top, bottom, left, right in self._covered:
-            self._background[top:bottom, left:right] = self.pixels[top:bottom, left:right]
-        self._changed += self._covered
-        self._covered = []
+        np.copyto(self._background, self.pixels)
 
     def replace(self, picture: Pixels) -> None:
         """Make `picture` the background and the picture."""
         np.copyto(self._background, picture)
         np.copyto(self.pixels, picture)
-        self._covered, self._changed = [], [self._whole]
 
-    def changed(self) -> list[Box]:
-        """Return boxes that hold all pixels changed since the last call; they may overlap."""
-        boxes = self._compact(self._changed + self._covered)
-        self._changed = []
-        return boxes
-
-    def _cover(self, low: Array, high: Array) -> None:
-        """Record a drawing inside the rectangles from `low` (B, 2) to `high` (B, 2)."""
-        _, height, _, width = self._whole
-        left, bottom = np.clip(np.floor(low) - _BLUR, 0, [width, height]).astype(int).T
-        right, top = np.clip(np.ceil(high) + _BLUR, 0, [width, height]).astype(int).T
-        boxes = zip((height - top).tolist(), (height - bottom).tolist(), left.tolist(), right.tolist(), strict=True)
-        self._covered = self._compact([*self._covered, *boxes])
-
-    def _compact(self, boxes: list[Box]) -> list[Box]:
-        """Return the boxes, or the whole picture where they would take more work."""
-        area = sum((bottom - top) * (right - left) for top, bottom, left, right in boxes)
-        _, height, _, width = self._whole
-        return [self._whole] if 2 * area > height * width else boxes
+    def changed(self) -> Change:
+        """Return the pixels changed since the last call, at the first call all."""
+        where = np.flatnonzero(self._flat != self._last)
+        pixels = self._flat[where]
+        self._last[where] = pixels
+        return Change(where, pixels)
 
     def _collection(
         self,

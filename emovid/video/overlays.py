@@ -76,7 +76,7 @@ def draw_targets(canvas: Canvas, camera: Camera, points: Array, targets: Array, 
     rim = Path.unit_circle().transformed(Affine2D().scale(_RIM))
     dot = [Layer(rim, rgba([colours.stage])), Layer(Path.unit_circle(), rgba([colours.overlay]))]
     turns = camera.disc_maps(targets, radius)
-    canvas.stamp(dot, turns, ends[:, 1], _RIM * float(np.linalg.norm(turns[:, :2, :2], ord=2, axis=(1, 2)).max()))
+    canvas.stamp(dot, turns, ends[:, 1])
 
 
 def draw_clock(canvas: Canvas, camera: Camera, t: float, colour: str) -> None:
@@ -85,8 +85,7 @@ def draw_clock(canvas: Canvas, camera: Camera, t: float, colour: str) -> None:
     outline = _text(f"{t:.1f} s")
     size = _DIGIT * margin / _text("0").get_extents().height
     place = np.array([[margin, camera.height - (1 + _DIGIT) * margin / 2]])
-    reach = size * np.abs(outline.vertices).max()
-    canvas.stamp([Layer(outline, rgba([colour]))], np.diag([size, size, 1.0])[None], place, reach)
+    canvas.stamp([Layer(outline, rgba([colour]))], np.diag([size, size, 1.0])[None], place)
 
 
 @lru_cache(maxsize=16)

@@ -4,9 +4,11 @@ Everything that never changes is drawn once and kept as the background.
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from matplotlib.colors import to_rgb, to_rgba
+from matplotlib.path import Path
 
 from emovid.scene.behaviour import Coverage
 from emovid.scene.model import Scene
@@ -18,11 +20,12 @@ from emovid.swarm.laws import corners_of
 from emovid.swarm.trajectory import Trajectory
 from emovid.video import overlays
 from emovid.video.cameras import Camera, OverheadCamera, PinholeCamera
-from emovid.video.canvas import Box, Canvas, Layer, Pixels, rgba
+from emovid.video.canvas import Canvas, Change, Layer, Pixels, rgba
 from emovid.video.robots import RobotColours, robot_parts, robot_rim, robot_solids
-from emovid.video.trails import PIECE, Piece, Span, Trails, oldest, ribbon, shades, spans, trailed_robots
+from emovid.video.trails import PIECE, Piece, Span, Trails, faded, oldest, ribbon, spans, trail_colours, trailed_robots
 
 _FLATNESS = 0.1  # largest deviation of a drawn trail from its arcs [pixels]
+_PREPARED = 64  # pieces of time whose paths are remembered: more than a frame shows
 _EDGE = 0.1  # width of the line around the stage, over a robot's width
 _HALO = 0.04  # width of the light rim that separates a robot from trails below it, over the robot's width
 _SKY = 0.45  # share of the stage's color at the horizon; the rest is the color of the surround
@@ -47,12 +50,14 @@ class Painter:
         self._scene, self._colours = scene, self.video.palette
         self._canvas = Canvas(self.video.width, self.video.height, self._colours.surround)
         trailed = trailed_robots(trajectory.poses[0], self.video.trails.robots)
-        self._shades = shades(self._colours, len(trailed))
+        self._trail_colours = trail_colours(self._colours, len(trailed))
+        self._first_of_colour = np.sort(np.unique(self._trail_colours, axis=0, return_index=True)[1])
         bodies = np.tile(to_rgba(self._colours.body), (scene.robots, 1))
-        bodies[trailed] = self._shades[-1]
+        bodies[trailed] = self._trail_colours
         robot_colours = RobotColours(bodies, *rgba([self._colours.wheels, self._colours.front]))
         self._view = VIEWS[self.video.view](scene, self.video, robot_colours)
         self._trails = Trails(trajectory, trailed, _FLATNESS / self.camera.max_scale)
+        self._paths = lru_cache(_PREPARED)(self._prepared)  # most pieces of a trail are those of the frame before
         self._draw_stage()
         self._empty, self._kept = self._canvas.pixels.copy(), 0  # pieces of trails that the background holds
 
@@ -66,8 +71,7 @@ class Painter:
         """Return the frame (height, width, 4) at time `t` [s]: RGBA, row 0 on top, overwritten by the next call."""
         poses = self._trails.poses(t)
         self._start(t)
-        for span in spans(self.video.trails, t, self._kept * PIECE):
-            self._draw_pieces(span, oldest(self.video.trails, t))
+        self._draw_trails(spans(self.video.trails, t, self._kept * PIECE), oldest(self.video.trails, t))
         if self.video.overlays.cells:
             cells = overlays.cells_of(self._scene.stage, poses[:, :2])
             overlays.draw_cells(self._canvas, self.camera, cells, self._colours.overlay)
@@ -79,8 +83,8 @@ class Painter:
             overlays.draw_clock(self._canvas, self.camera, t, self._colours.overlay)
         return self._canvas.pixels
 
-    def changed(self) -> list[Box]:
-        """Return boxes that hold all differences between this frame and the frame at the last call."""
+    def changed(self) -> Change:
+        """Return the differences between this frame and the frame at the last call."""
         return self._canvas.changed()
 
     def _start(self, t: float) -> None:
@@ -91,14 +95,23 @@ class Painter:
             self._kept = 0
         self._canvas.restore()
         if complete > self._kept:
-            for i in range(self._kept, complete):
-                self._draw_pieces(Span(i * PIECE, (i + 1) * PIECE), 0.0)
+            self._draw_trails([Span(i * PIECE, (i + 1) * PIECE) for i in range(self._kept, complete)], 0.0)
             self._kept = complete
             self._canvas.keep()
 
-    def _draw_pieces(self, span: Span, oldest: float) -> None:
-        if pieces := self._trails.pieces(span, oldest):
-            self._view.draw_lines(self._canvas, pieces, self._shades[span.shade], self.video.trails.width)
+    def _draw_trails(self, parts: list[Span], oldest: float) -> None:
+        paths = [path for part in parts for path in self._paths(part.start, part.end, oldest)]
+        if paths:
+            colours = faded(
+                self._trail_colours[self._first_of_colour], self._colours.stage, [part.share for part in parts]
+            )
+            self._view.draw_lines(self._canvas, paths, colours, self.video.trails.width)
+
+    def _prepared(self, start: float, end: float, oldest: float) -> list[Path]:
+        """Return one path for each color of trails: far fewer to draw than one for each robot."""
+        paths = self._view.line_paths(self._trails.pieces(Span(start, end), oldest), self.video.trails.width)
+        alike = [(self._trail_colours == self._trail_colours[first]).all(axis=1) for first in self._first_of_colour]
+        return [Path.make_compound_path(*(paths[i] for i in np.flatnonzero(same))) for same in alike]
 
     def _draw_stage(self) -> None:
         scene, colours = self._scene, self._colours
@@ -130,15 +143,18 @@ class OverheadView:
         edge = _EDGE * self._scene.robot.body.width * self.camera.scale
         canvas.polygon(corners, self._colours.stage, self._colours.boundary, edge)
 
-    def draw_lines(self, canvas: Canvas, pieces: Sequence[Piece], colours: Array, width: float) -> None:
+    def line_paths(self, pieces: Sequence[Piece], width: float) -> list[Path]:  # noqa: ARG002 - the other view needs it
+        """Return the paths that `draw_lines` takes for lines of a width [m]."""
+        return [Path(self.camera.pixels(piece.line)) for piece in pieces]
+
+    def draw_lines(self, canvas: Canvas, paths: Sequence[Path], colours: Array, width: float) -> None:
         """Draw lines of a width [m], each in its color (L, 4), one over the other."""
-        canvas.lines([self.camera.pixels(piece.line) for piece in pieces], colours, width * self.camera.scale)
+        canvas.strokes(paths, colours, width * self.camera.scale)
 
     def draw_robots(self, canvas: Canvas, poses: Array) -> None:
         """Draw the robots at poses (N, 3)."""
         turns = _rotations(poses[:, 2]) * np.array([[self.camera.scale], [self.camera.scale], [1]])
-        reach = (self._scene.robot.body.radius + self._halo) * self.camera.scale
-        canvas.stamp(self._robot, turns, self.camera.pixels(poses[:, :2]), reach)
+        canvas.stamp(self._robot, turns, self.camera.pixels(poses[:, :2]))
 
 
 class PerspectiveView:
@@ -158,19 +174,21 @@ class PerspectiveView:
         corners = corners_of(self._scene.stage)
         edge = 2 * _EDGE * self._scene.robot.body.width
         ring = Piece(np.concatenate([corners, corners[:1]]), corners[-1])
-        self.draw_lines(canvas, [ring], rgba([self._colours.boundary]), edge)
+        self.draw_lines(canvas, self.line_paths([ring], edge), rgba([self._colours.boundary]), edge)
         canvas.polygon(self.camera.pixels(corners), self._colours.stage, self._colours.stage, 0.0)
 
-    def draw_lines(self, canvas: Canvas, pieces: Sequence[Piece], colours: Array, width: float) -> None:
+    def line_paths(self, pieces: Sequence[Piece], width: float) -> list[Path]:
+        """Return the paths that `draw_lines` takes for lines of a width [m]."""
+        return [ribbon(self.camera, piece.line, width, piece.before) for piece in pieces]
+
+    def draw_lines(self, canvas: Canvas, paths: Sequence[Path], colours: Array, width: float) -> None:  # noqa: ARG002
         """Draw lines of a width [m], each in its color (L, 4), one over the other."""
-        ribbons = [ribbon(self.camera, piece.line, width, piece.before) for piece in pieces]
-        low, high = (np.concatenate(corners) for corners in zip(*((r.low, r.high) for r in ribbons), strict=True))
-        canvas.fill([ribbon.path for ribbon in ribbons], colours, low, high)
+        canvas.fill(paths, colours)
 
     def draw_robots(self, canvas: Canvas, poses: Array) -> None:
         """Draw the robots at poses (N, 3), far to near."""
         solids = robot_solids(self.camera, self._scene.robot.body, poses, self._robot_colours)
-        canvas.fill(solids.paths, solids.colours, solids.low, solids.high)
+        canvas.fill(solids.paths, solids.colours)
 
 
 VIEWS: dict[ViewName, type[OverheadView] | type[PerspectiveView]] = {

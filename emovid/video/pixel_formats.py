@@ -14,7 +14,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from emovid.video.canvas import Box, Pixels
+from emovid.video.canvas import Change, Pixels
 
 Levels = NDArray[np.float32]
 Colours24 = NDArray[np.uint32]  # red + 2^8 green + 2^16 blue
@@ -41,15 +41,16 @@ class Yuv420:
         self.planes: Pixels = np.zeros(size * 3 // 2, np.uint8)
         self._y = self.planes[:size].view(np.uint16)  # of two pixels side by side
         self._u, self._v = self.planes[size:].reshape(2, size // 4)
-        self._stale = np.zeros((height // 2, width // 2), dtype=bool)  # blocks to convert
+        self._stale = np.zeros(size // 4, dtype=bool)  # blocks to convert
+        across, down = np.arange(width, dtype=np.int32) // 2, np.arange(height, dtype=np.int32) // 2
+        self._block = (width // 2 * down[:, None] + across).reshape(-1)  # of each pixel
         # Indices of each block's upper and lower pair among all pairs: a row of blocks is two rows of pairs.
         rows = np.arange(size // 2).reshape(height // 2, 2, width // 2)
         self._pairs = np.stack([rows[:, 0].reshape(-1), rows[:, 1].reshape(-1)], axis=1)
 
-    def convert(self, picture: Pixels, changed: Iterable[Box]) -> Pixels:
-        """Return the planes of a picture (height, width, 4) that differs from the last one inside boxes only."""
-        for top, bottom, left, right in changed:
-            self._stale[top // 2 : (bottom + 1) // 2, left // 2 : (right + 1) // 2] = True
+    def convert(self, picture: Pixels, changed: Change) -> Pixels:
+        """Return the planes of a picture (height, width, 4) that differs from the last one in changed pixels only."""
+        self._stale[self._block[changed.where]] = True
         pairs = picture.reshape(-1).view(np.uint64)  # of pixels side by side, as in self._y
         blocks = np.flatnonzero(self._stale)
         for first in range(0, len(blocks), _BATCH):
@@ -109,21 +110,18 @@ class PaletteIndices:
     def __init__(self, width: int, height: int, colours: Colours24) -> None:
         size = width * height
         self.data: Pixels = np.zeros(size + 4 * 256, np.uint8)
-        self._index = self.data[:size].reshape(height, width)
+        self._index = self.data[:size]
         self._colours = _channels(colours)
         self.data[size:].reshape(256, 4)[: len(colours)] = np.insert(self._colours[:, ::-1], 3, 255, axis=1)
         self._nearest = np.full(_RGB + 1, -1, np.int16)  # index by color, -1 for a color not met yet
 
-    def convert(self, picture: Pixels, changed: Iterable[Box]) -> Pixels:
-        """Return the data of a picture (height, width, 4) that differs from the last one inside boxes only."""
-        packed = picture.view(np.uint32)[..., 0] & _RGB
-        for top, bottom, left, right in changed:
-            part = packed[top:bottom, left:right]
-            known = self._nearest[part] >= 0
-            if not known.all():
-                new = np.unique(part[~known])
-                self._nearest[new] = _nearest(_channels(new), self._colours)
-            self._index[top:bottom, left:right] = self._nearest[part]
+    def convert(self, picture: Pixels, changed: Change) -> Pixels:  # noqa: ARG002 - as Yuv420 does
+        """Return the data of a picture (height, width, 4) that differs from the last one in changed pixels only."""
+        colours = changed.pixels & _RGB
+        new = np.unique(colours[self._nearest[colours] < 0])
+        if len(new):
+            self._nearest[new] = _nearest(_channels(new), self._colours)
+        self._index[changed.where] = self._nearest[colours]
         return self.data
 
 

@@ -13,7 +13,7 @@ from emovid.errors import InputError
 from emovid.scene.video import MAX_SIDE, MIN_SIDE, FormatName
 from emovid.swarm.arrays import Array
 from emovid.swarm.trajectory import Trajectory
-from emovid.video.canvas import Box, Pixels
+from emovid.video.canvas import Change, Pixels
 from emovid.video.encoder import FORMATS, video_arguments, write_pictures, write_video
 from emovid.video.painter import Painter
 from emovid.video.pixel_formats import Colours24, PaletteIndices, Yuv420, frequent_colours
@@ -134,22 +134,23 @@ def reduced(trajectory: Trajectory, width: int, fps: int, format: FormatName = "
 
 
 class _DrawnFrames:
-    """The frames of a video, each with boxes that hold all changes; a frame is overwritten by the next.
+    """The frames of a video, each with its changes; a frame is overwritten by the next.
 
     Attributes:
-        checksum: CRC-32 of the pixels inside the boxes of the frames taken so far, about a tenth of all pixels.
+        checksum: CRC-32 of the changed pixels of the frames taken so far.
     """
 
     def __init__(self, trajectory: Trajectory) -> None:
         self._trajectory = trajectory
         self._crc = 0
 
-    def __iter__(self) -> Iterator[tuple[Pixels, list[Box]]]:
+    def __iter__(self) -> Iterator[tuple[Pixels, Change]]:
         painter = Painter(self._trajectory)
         for t in _frame_times(self._trajectory):
             picture, changed = painter.frame(t), painter.changed()
-            for top, bottom, left, right in changed:
-                self._crc = zlib.crc32(picture[top:bottom, left:right].tobytes(), self._crc)
+            self._crc = zlib.crc32(
+                changed.pixels.tobytes(), zlib.crc32(changed.where.astype("<i8").tobytes(), self._crc)
+            )
             yield picture, changed
 
     @property
@@ -157,7 +158,7 @@ class _DrawnFrames:
         return f"{self._crc:08x}"
 
 
-def _encodable(drawn: Iterable[tuple[Pixels, list[Box]]], trajectory: Trajectory) -> Iterator[Pixels]:
+def _encodable(drawn: Iterable[tuple[Pixels, Change]], trajectory: Trajectory) -> Iterator[Pixels]:
     """Return frames in the pixel format of the video's encoder, each overwritten by the next."""
     video = trajectory.scene.video
     match FORMATS[video.format].pixels:

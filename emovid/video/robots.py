@@ -127,13 +127,10 @@ class Solids(NamedTuple):
     Attributes:
         paths: outlines to fill, in the order of painting [pixels].
         colours: of each (F, 4), RGBA from 0 to 1.
-        low, high: corners of boxes (N, 2) that together hold it [pixels].
     """
 
     paths: list[Path]
     colours: Array
-    low: Array
-    high: Array
 
 
 def robot_solids(camera: PinholeCamera, body: Body, poses: Array, colouring: RobotColours) -> Solids:
@@ -158,9 +155,7 @@ def robot_solids(camera: PinholeCamera, body: Body, poses: Array, colouring: Rob
         if mark is not None and marks is not None:
             parts.append((Path(marks[i], mark.codes), colouring.front))
     paths, colours = zip(*parts, strict=True)
-    everything = [shadows, walls.low, walls.high, *([wheels.hulls.reshape(len(poses), -1, 2)] if wheels else [])]
-    low, high = (np.array([ends(ring, axis=1) for ring in everything]) for ends in (np.min, np.max))
-    return Solids(list(paths), np.array(colours), low.min(axis=0), high.max(axis=0))
+    return Solids(list(paths), np.array(colours))
 
 
 class _Walls:

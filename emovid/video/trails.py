@@ -1,5 +1,6 @@
 """Trails: the robots that leave one, their paths in pieces of time, and lines on the floor in perspective."""
 
+from collections.abc import Sequence
 from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
@@ -15,7 +16,7 @@ from emovid.swarm.trajectory import Trajectory
 from emovid.video.cameras import PinholeCamera
 
 PIECE = 1.0  # seconds of a permanent trail that are drawn at once
-_SHADES = 16  # steps in which a trail fades
+_SHADES = 16  # pieces of a trail that fades
 _INSTANT = 1e-9  # seconds: sample times nearer than this are equal
 _SMOOTH = 0.1  # turn [rad] up to which pieces share their corners: the error is a thousandth of the width
 _SHORT = 0.2  # length over width: shorter pieces would turn inside out where they share corners
@@ -29,12 +30,12 @@ class Span(NamedTuple):
 
     Attributes:
         start, end: in the run [s].
-        shade: index into `shades`, from faint to full color.
+        share: of the trail's own color; the rest is the stage's.
     """
 
     start: float
     end: float
-    shade: int = -1
+    share: float = 1.0
 
 
 class Piece(NamedTuple):
@@ -99,54 +100,51 @@ def trailed_robots(start: Array, trails: int | None) -> Indices:
 
 
 def spans(look: video.Trails, t: float, since: float = 0.0) -> list[Span]:
-    """Return the spans that trails of a look show at the time `t` [s], the oldest first, none before `since` [s]."""
+    """Return the spans that trails of a look show at the time `t` [s], the oldest first, none before `since` [s].
+
+    All but the first and the last are the same at all times, so that they are prepared once.
+    """
     if look.seconds and look.fade:
-        cuts = (t - look.seconds * np.linspace(1, 0, _SHADES + 1)).tolist()
-        return [Span(max(start, 0.0), end, i) for i, (start, end) in enumerate(pairwise(cuts)) if end > 0]
+        piece = look.seconds / _SHADES
+        starts = piece * np.arange(max(np.ceil((t - look.seconds) / piece), 0), np.ceil(t / piece))
+        ends = np.minimum(starts + piece, t)
+        shares = 1 - (t - ends) / (look.seconds - piece)  # 0 where the piece starts before the trail
+        return [Span(*span) for span in np.stack([starts, ends, shares], axis=1).tolist() if span[2] > 0]
     start = max(since, oldest(look, t))
     inner = PIECE * np.arange(np.floor(start / PIECE) + 1, np.ceil(t / PIECE))
     return [Span(*ends) for ends in pairwise([start, *inner.tolist(), t])] if t > start else []
 
 
 def oldest(look: video.Trails, t: float) -> float:
-    """Return the time at which trails of a look begin at the time `t` [s]."""
-    return 0.0 if look.seconds is None else max(t - look.seconds, 0.0)
+    """Return the time at which trails of a look begin at the time `t` [s]; fading ones fade into that of the start."""
+    return 0.0 if look.seconds is None or look.fade else max(t - look.seconds, 0.0)
 
 
-def shades(colours: Colours, count: int) -> Array:
-    """Return the colors of trails (S, count, 4), RGBA from 0 to 1, from almost the stage's color to their own.
+def trail_colours(colours: Colours, count: int) -> Array:
+    """Return the colors of trails (count, 4), RGBA from 0 to 1."""
+    return np.array([to_rgba(colours.trails[i % len(colours.trails)]) for i in range(count)]).reshape(-1, 4)
 
-    They are mixed, not translucent: overlaps of two pieces of a trail do not show.
+
+def faded(colours: Array, stage: str, shares: Sequence[float]) -> Array:
+    """Return the colors of trails (M, 4) where only a share is their own, for each of S shares in turn (S M, 4).
+
+    They are mixed with the stage's, not translucent: overlaps of two pieces of a trail do not show.
     """
-    full = np.array([to_rgba(colours.trails[i % len(colours.trails)]) for i in range(count)]).reshape(-1, 4)
-    share = np.linspace(0, 1, _SHADES + 1)[1:, None, None]
-    return full * share + np.array(to_rgba(colours.stage)) * (1 - share)
+    share = np.array(shares)[:, None, None]
+    return (colours * share + np.array(to_rgba(stage)) * (1 - share)).reshape(-1, 4)
 
 
-class Ribbon(NamedTuple):
-    """A line with a width, as the camera sees it.
+def ribbon(camera: PinholeCamera, line: Array, width: float, before: Array | None = None) -> Path:
+    """Return the outline [pixels] of a line on the floor as the camera sees it, foreshortened, with round joints.
 
-    Attributes:
-        path: its outline [pixels], of pieces that all run counter-clockwise, so that overlaps stay filled.
-        low, high: corners of boxes (B, 2) that together hold it [pixels].
-    """
-
-    path: Path
-    low: Array
-    high: Array
-
-
-def ribbon(camera: PinholeCamera, line: Array, width: float, before: Array | None = None, group: int = 8) -> Ribbon:
-    """Return a line on the floor as the camera sees it, foreshortened, with round joints.
-
-    Its pieces hardly overlap: with overlaps, a line thinner than a pixel would look bolder.
+    Its pieces all run counter-clockwise, so that overlaps stay filled. They hardly overlap: with overlaps, a line
+    thinner than a pixel would look bolder.
 
     Args:
         camera: of the view.
         line: points (P, 2) [m], P > 1.
         width: [m].
         before: a point (2,) [m] of the line that this one continues; without one, both its ends are round.
-        group: number of pieces that share a box.
     """
     points = line[np.concatenate([[True], np.diff(line, axis=0).any(axis=1)])]
     if len(points) == 1:
@@ -169,10 +167,7 @@ def ribbon(camera: PinholeCamera, line: Array, width: float, before: Array | Non
         caps = _wedges(points[[0, -1]], aside[[0, -1]] * [[1], [-1]], np.full(2, np.pi))
         wedges = np.concatenate([caps[:1], wedges, caps[1:]])
     pieces = [camera.pixels(rings) for rings in (strips, wedges) if len(rings)]
-    low = [np.minimum.reduceat(rings.min(axis=1), np.arange(0, len(rings), group)) for rings in pieces]
-    high = [np.maximum.reduceat(rings.max(axis=1), np.arange(0, len(rings), group)) for rings in pieces]
-    path = Path.make_compound_path(*(Path.make_compound_path_from_polys(rings) for rings in pieces))
-    return Ribbon(path, np.concatenate(low), np.concatenate(high))
+    return Path.make_compound_path(*(Path.make_compound_path_from_polys(rings) for rings in pieces))
 
 
 def _mitred(normal: Array, length: Array, width: float) -> tuple[Array, Array, Mask]:

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from emovid.video.canvas import Change
+
 RED, BLUE = 0.2126, 0.0722  # ITU-R BT.709-6, item 3.2
 GREEN = 1 - RED - BLUE
 
@@ -31,12 +33,10 @@ def whole_frame(picture: np.ndarray) -> np.ndarray:
     return np.concatenate([plane.reshape(-1) for plane in (y, u, v)]).astype(np.uint8)
 
 
-def inside(picture: np.ndarray, boxes: list[tuple[int, int, int, int]]) -> np.ndarray:
-    """Return which pixels (height, width) of a picture lie in a box."""
-    mask = np.zeros(picture.shape[:2], dtype=bool)
-    for top, bottom, left, right in boxes:
-        mask[top:bottom, left:right] = True
-    return mask
+def all_changed(picture: np.ndarray) -> Change:
+    """Return the change of every pixel of a picture (height, width, 4)."""
+    pixels = np.ascontiguousarray(picture).reshape(-1).view(np.uint32)
+    return Change(np.arange(len(pixels)), pixels)
 
 
 def hits_of_rays(

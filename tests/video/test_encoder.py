@@ -17,6 +17,7 @@ from emovid.video.ffmpeg import count_frames
 from emovid.video.pixel_formats import Yuv420
 from tests.helpers.mp4 import decode
 from tests.helpers.owners import DEAD, PARENT
+from tests.helpers.reference import all_changed
 
 SIZE = (96, 64)
 
@@ -29,7 +30,7 @@ def pictures(count: int) -> list[np.ndarray]:
 def planes(frames: list[np.ndarray]) -> list[np.ndarray]:
     """Return the same frames as YUV planes, the input of the video encoder."""
     height, width = frames[0].shape[:2]
-    return [Yuv420(width, height).convert(frame, [(0, height, 0, width)]) for frame in frames]
+    return [Yuv420(width, height).convert(frame, all_changed(frame)) for frame in frames]
 
 
 def write(target: Path, count: int = 12, told: int | None = None, **keys: object) -> None:

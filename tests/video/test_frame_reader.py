@@ -9,6 +9,7 @@ from emovid.video import ffmpeg
 from emovid.video.encoder import encoder_arguments, write_video
 from emovid.video.frame_reader import frame_times, read_frames, read_last_frame
 from emovid.video.pixel_formats import Yuv420
+from tests.helpers.reference import all_changed
 
 WIDTH, HEIGHT, FRAMES, FPS = 160, 96, 12, 10
 GREYS = np.linspace(20, 235, FRAMES).round().astype(np.uint8)
@@ -23,9 +24,8 @@ def video(request, tmp_path_factory) -> Path:
         pages[0].save(target, save_all=True, append_images=pages[1:], duration=1000 // FPS)
         return target
     convert = Yuv420(WIDTH, HEIGHT).convert
-    whole = [(0, HEIGHT, 0, WIDTH)]
     pictures = (np.full((HEIGHT, WIDTH, 4), grey, np.uint8) for grey in GREYS)
-    planes = (convert(picture, whole) for picture in pictures)
+    planes = (convert(picture, all_changed(picture)) for picture in pictures)
     write_video(planes, FRAMES, encoder_arguments(WIDTH, HEIGHT, FPS, request.param), target)
     return target
 

@@ -3,7 +3,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
+from emovid.video.canvas import Change
 from emovid.video.pixel_formats import PALETTE_SIZE, PaletteIndices, frequent_colours
+from tests.helpers.reference import all_changed
 
 PICTURES = arrays.arrays(np.uint8, (5, 4, 4), elements=st.sampled_from([0, 3, 77, 200, 255]))
 
@@ -16,7 +18,7 @@ def shown(data: np.ndarray, height: int, width: int) -> np.ndarray:
 
 def convert(picture: np.ndarray, colours: np.ndarray) -> np.ndarray:
     height, width = picture.shape[:2]
-    return PaletteIndices(width, height, colours).convert(picture, [(0, height, 0, width)])
+    return PaletteIndices(width, height, colours).convert(picture, all_changed(picture))
 
 
 @given(PICTURES)
@@ -37,10 +39,12 @@ def test_every_pixel_gets_the_nearest_palette_color(picture, colours) -> None:
 def test_partial_conversion_equals_full_conversion(first, second) -> None:
     colours = frequent_colours([first, second])
     follower = PaletteIndices(4, 5, colours)
-    follower.convert(first, [(0, 5, 0, 4)])
+    follower.convert(first, all_changed(first))
     both = first.copy()
     both[1:3, 2:] = second[1:3, 2:]
-    assert np.array_equal(follower.convert(both, [(1, 3, 2, 4)]), convert(both, colours))
+    where = np.flatnonzero((first != both).any(axis=2))
+    change = Change(where, all_changed(both).pixels[where])
+    assert np.array_equal(follower.convert(both, change), convert(both, colours))
 
 
 def test_palette_keeps_the_most_frequent_colors() -> None:

@@ -8,9 +8,10 @@ from hypothesis.extra import numpy as arrays
 
 from emovid.swarm.simulate import simulate
 from emovid.video import ffmpeg
+from emovid.video.canvas import Change
 from emovid.video.painter import Painter
 from emovid.video.pixel_formats import Yuv420
-from tests.helpers.reference import exact_planes, whole_frame
+from tests.helpers.reference import all_changed, exact_planes, whole_frame
 
 SIZES = st.tuples(st.integers(1, 9), st.integers(1, 9)).map(lambda half: (2 * half[0], 2 * half[1]))
 PICTURES = SIZES.flatmap(lambda size: arrays.arrays(np.uint8, (*size, 4)))
@@ -24,7 +25,7 @@ def planes(converted: np.ndarray, height: int, width: int) -> list[np.ndarray]:
 
 def convert(picture: np.ndarray) -> np.ndarray:
     height, width = picture.shape[:2]
-    return Yuv420(width, height).convert(picture, [(0, height, 0, width)])
+    return Yuv420(width, height).convert(picture, all_changed(picture))
 
 
 @pytest.mark.parametrize(
@@ -61,15 +62,15 @@ def test_conversion_equals_exact_integer_arithmetic(picture) -> None:
 def test_partial_conversion_equals_full_conversion(first, data) -> None:
     height, width = first.shape[:2]
     follower = Yuv420(width, height)
-    assert np.array_equal(follower.convert(first, [(0, height, 0, width)]), whole_frame(first))
+    assert np.array_equal(follower.convert(first, all_changed(first)), whole_frame(first))
     second = first.copy()
-    boxes = []
     for _ in range(data.draw(st.integers(0, 3))):
         top, bottom = sorted((data.draw(st.integers(0, height)), data.draw(st.integers(0, height))))
         left, right = sorted((data.draw(st.integers(0, width)), data.draw(st.integers(0, width))))
         second[top:bottom, left:right] = data.draw(st.integers(0, 255))
-        boxes.append((top, bottom, left, right))
-    assert np.array_equal(follower.convert(second, boxes), whole_frame(second))
+    where = np.flatnonzero((first != second).any(axis=2))
+    change = Change(where, all_changed(second).pixels[where])
+    assert np.array_equal(follower.convert(second, change), whole_frame(second))
 
 
 def test_large_pictures_are_converted_in_parts() -> None:
