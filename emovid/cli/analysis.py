@@ -102,8 +102,8 @@ def analyze(
         _show(analysis, output)
 
 
-def _labels(said: str | None) -> list[str] | None:
-    return None if said is None else [label.strip() for label in said.split(",")]
+def _labels(text: str | None) -> list[str] | None:
+    return None if text is None else [label.strip() for label in text.split(",")]
 
 
 def _share(points: float | None) -> float | None:

@@ -113,11 +113,11 @@ _TRACES, _ROBOTARIUM_TRACES = 5, 4  # robots with a trace in the paper's figures
 
 def _frames(emotion: str, number: int) -> Entry:
     times = EMOTIONS[emotion].snapshot_times
-    said = f"Snapshots of {emotion} at {', '.join(f'{t:g}' for t in times)} s with trails: {_DESCRIPTIONS[emotion]}"
+    caption = f"Snapshots of {emotion} at {', '.join(f'{t:g}' for t in times)} s with trails: {_DESCRIPTIONS[emotion]}"
     return Entry(
         f"{emotion}-frames",
         f"Fig. {number}",
-        said,
+        caption,
         frames_figure,
         lambda material: (with_traces(material.run(emotion), _TRACES), times),
         DOUBLE_COLUMN,
@@ -125,7 +125,7 @@ def _frames(emotion: str, number: int) -> Entry:
     )
 
 
-def _robotarium(view: str, number: int, said: str, draw: Callable[..., Figure]) -> Entry:
+def _robotarium(view: str, number: int, description: str, draw: Callable[..., Figure]) -> Entry:
     scenes = {emotion: f"robotarium/{emotion}" for emotion in EMOTIONS}
 
     def parts(material: Material) -> Sequence[Any]:
@@ -133,7 +133,7 @@ def _robotarium(view: str, number: int, said: str, draw: Callable[..., Figure]) 
         times = [material.scene(scene).snapshot_times or () for scene in scenes.values()]
         return runs, [of_scene[-1] for of_scene in times]
 
-    caption = f"Six emotions by twelve GRITSBots X on the Robotarium, {said}"
+    caption = f"Six emotions by twelve GRITSBots X on the Robotarium, {description}"
     return Entry(f"robotarium-{view}", f"Fig. {number}", caption, draw, parts, DOUBLE_COLUMN, tuple(scenes.values()))
 
 

@@ -66,8 +66,8 @@ def interaction_figure(
         _draw_command(group[2], run, period, robot)
         draw_trails(group[3], run, float(run.t[-1]))
         draw_swarm(group[3], run, float(run.t[-1]))
-        said = _COVERAGE if covers else _CONTOUR
-        for panel, heading, text in zip(group, _COLUMNS, (*said, behaviour), strict=True):
+        texts = _COVERAGE if covers else _CONTOUR
+        for panel, heading, text in zip(group, _COLUMNS, (*texts, behaviour), strict=True):
             if row == 0 or across < 4:
                 write_above(panel, heading)
             write_below(panel, text)

@@ -30,8 +30,8 @@ def check_video(video: Path, look: Look) -> None:
         raise SourceError(str(video), "no such file")
     found = ffmpeg.count_frames(video)
     source = ["-hide_banner", "-nostdin", "-i", ffmpeg.address(video), "-map", "0:v:0", "-frames:v", "1"]
-    said = ffmpeg.run([*source, "-vf", "showinfo", "-f", "null", "-"]).messages
-    shown, rate = _SHOWN.search(said), _RATE.search(said)
+    messages = ffmpeg.run([*source, "-vf", "showinfo", "-f", "null", "-"]).messages
+    shown, rate = _SHOWN.search(messages), _RATE.search(messages)
     if not (found and shown and rate):
         raise SourceError(str(video), "cannot be decoded as a video")
     across, down, size = shown.groups()

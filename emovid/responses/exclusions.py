@@ -110,11 +110,11 @@ def without_rows(
         used: columns of videos and answers, which are not searched for words.
     """
     masks = dict(_rows_of_map(table, known))
-    said = {column(table, title) for title in (*known.mapping.rows.keep, *known.mapping.rows.leave_out)}
+    selected = {column(table, title) for title in (*known.mapping.rows.keep, *known.mapping.rows.leave_out)}
     masks |= {reason: np.asarray(mask, dtype=bool) for reason, mask in marks.rows.items()}
     codes = np.zeros(len(table.lines), dtype=np.int64) if people is None else pd.factorize(people)[0]
     for place in range(len(table.names)):
-        if place not in said and place not in used:
+        if place not in selected and place not in used:
             for reason, mask in _parts(table, place, codes):
                 masks[reason] = masks[reason] | mask if reason in masks else mask
     kept = np.ones(len(table.lines), dtype=bool)

@@ -289,18 +289,18 @@ def _nothing_left(file: str, rejected: Sequence[Rejected], dropped: Counter[str]
     return SourceError(first.file, f"{given}{first.reason}{others}; see emovid study columns", first.row, first.cell)
 
 
-def _check_columns(said: ExportMap, files: Sequence[_File]) -> None:
+def _check_columns(mapped: ExportMap, files: Sequence[_File]) -> None:
     """Raise SourceError if the map selects participants or rows by columns that no file has."""
     names = [name for file in files for name in (*file.table.names, *file.table.texts)]
     spelled = {plain(name) for name in names}
-    paths: list[tuple[tuple[str, ...], str]] = [(("drop", title), title) for title in said.drop]
+    paths: list[tuple[tuple[str, ...], str]] = [(("drop", title), title) for title in mapped.drop]
     if not any(file.dialect.name in _WITH_SURVEYS for file in files):
-        paths += [(("groups", group), title) for group, title in said.groups.items()]
-    paths += [(("rows", "keep", title), title) for title in said.rows.keep]
-    paths += [(("rows", "leave_out", title), title) for title in said.rows.leave_out]
+        paths += [(("groups", group), title) for group, title in mapped.groups.items()]
+    paths += [(("rows", "keep", title), title) for title in mapped.rows.keep]
+    paths += [(("rows", "leave_out", title), title) for title in mapped.rows.leave_out]
     for path, title in paths:
         if plain(title) not in spelled:
-            raise unknown_column(said, path, title, nearest(title, names))
+            raise unknown_column(mapped, path, title, nearest(title, names))
 
 
 def _check_groups(known: Known, files: Sequence[_File], found: Sequence[str]) -> None:
