@@ -198,14 +198,14 @@ def _sample(kit: Kit) -> str:
 
 
 def _rationale(kit: Kit, study: Study, tests: int) -> str:
-    effect, answers = study.plan, len(study.answers)
-    found = plan(effect.rate, answers, tests, effect.alpha, effect.power)
+    goal, answers = study.plan, len(study.answers)
+    found = plan(goal.rate, answers, tests, goal.alpha, goal.power)
     need = "more than can be planned" if found.n is None else str(found.n)
     few = found.n is None or kit.manifest.participants < found.n
     flag = f" **BELOW THE PLAN**: the kit has {kit.manifest.participants}; {OPEN}: why." if few else ""
     return (
-        f"For an emotion with a true hit rate of {effect.rate:g}, {answers} answers (chance {found.chance:.4f}), a power "
-        f"of {effect.power:g} and a level of {effect.alpha:g} (first step of Holm's correction for {tests} tests: "
+        f"For an emotion with a true hit rate of {goal.rate:g}, {answers} answers (chance {found.chance:.4f}), a power "
+        f"of {goal.power:g} and a level of {goal.alpha:g} (first step of Holm's correction for {tests} tests: "
         f"{found.alpha:.4g}), the study needs {need} participants who each answer one video of the emotion: "
         f"{found.n_binomial} for the exact binomial test against chance, {found.n_goodness} for Pearson's chi-squared "
         f"goodness of fit (w = {found.w:.2f}).{flag}"
