@@ -325,7 +325,7 @@ def test_the_schema_of_results_is_kept(reference, capsys) -> None:
     assert results["schema_version"] == schema["properties"]["schema_version"]["const"] == 2
     assert set(schema["properties"]) == set(results)
     assert main(["study", "schema"]) == 0
-    assert json.loads(capsys.readouterr().out)["title"] == "Study"
+    assert json.loads(capsys.readouterr().out)["title"] == "emovid study"
 
 
 def test_equivalence_needs_a_margin(tmp_path, capsys) -> None:
