@@ -121,7 +121,7 @@ def _value(node: yaml.Node, path: KeyPath, places: dict[KeyPath, str], where: st
     try:
         return _SCALARS[kind](node.value)
     except ValueError:
-        _refuse(node, path, where, f"{node.value[:40]!r} is no {kind}")
+        _refuse(node, path, where, f"{node.value[:40]!r} is not a valid {kind}")
 
 
 def _mapping(node: yaml.MappingNode, path: KeyPath, places: dict[KeyPath, str], where: str) -> dict[str, Any]:

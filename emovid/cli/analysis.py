@@ -10,7 +10,7 @@ import typer
 from rich import box
 from rich.table import Table
 
-from emovid.cli.options import Json, Quiet, RandomSeed, output_folder, refuse_beside
+from emovid.cli.options import Json, Quiet, RandomSeed, output_folder, refuse_with
 from emovid.cli.terminal import show_table
 from emovid.errors import InputError
 from emovid.report import apa
@@ -90,7 +90,7 @@ def analyze(
         raise InputError("expected exports to analyze, or --counts and a confusion matrix")
     output_folder(output)
     if counts:
-        refuse_beside("--counts", {"--key": key, "--map": mapping, "--by": by, "--labels": labels, "--margin": margin})
+        refuse_with("--counts", {"--key": key, "--map": mapping, "--by": by, "--labels": labels, "--margin": margin})
         analysis = analyze_matrix(counts, seed)
     else:
         how = (seed, _share(margin), include_pilots, max_rejected)

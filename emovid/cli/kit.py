@@ -78,7 +78,7 @@ def build(
     if quiet:
         return
     print(f"{output}: {len(made.codes)} videos, orders for {made.participants} participants", file=sys.stderr)
-    print("Serve public/ to anybody; keep private/ closed until the data are complete", file=sys.stderr)
+    print("Anyone may see public/; keep private/ closed until the data are complete", file=sys.stderr)
     if made.seed < GUESSABLE:
         print("warning: this seed, and with it the key, can be guessed; omit --seed for a real study", file=sys.stderr)
 
@@ -132,7 +132,9 @@ def audit(
     kit: KitPath,
     key: Annotated[
         Path | None,
-        typer.Option("--key", help="A published key with its salt.txt beside it.", show_default="the private one"),
+        typer.Option(
+            "--key", help="A published key, with its salt.txt in the same folder.", show_default="the private one"
+        ),
     ] = None,
     responses: Responses = None,
     unblind: Annotated[bool, typer.Option("--unblind", help="Show emotions, and bit rates that reveal them.")] = False,

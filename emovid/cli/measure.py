@@ -79,7 +79,7 @@ def measure(
     if output not in (None, STDOUT) and (output.suffix.lower() != ".csv" or output.is_dir()):
         raise InputError(f"-o {output}: expected a file ending in .csv")
     if output == STDOUT and as_json:
-        raise InputError("-o -: expected no --json beside it")
+        raise InputError("-o -: cannot be combined with --json")
     shown = chosen_descriptors(only)
     chosen = [on_platform(source, platform) for source in (EMOTIONS if every else dict.fromkeys(sources or []))]
     with listing(len(chosen), quiet=quiet or as_json) as done:

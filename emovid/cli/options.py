@@ -213,11 +213,11 @@ def check_file(file: Path, given: str, suffixes: Sequence[str]) -> None:
         raise InputError(f"{given}: cannot write {file.suffix}; expected {' or '.join(suffixes)}")
 
 
-def refuse_beside(option: str, others: Mapping[str, Path | float | str | Sequence[str] | None]) -> None:
-    """Raise an `InputError` if one of the `others`, which have no effect beside an option, is given."""
+def refuse_with(option: str, others: Mapping[str, Path | float | str | Sequence[str] | None]) -> None:
+    """Raise an `InputError` if one of the `others`, which cannot be combined with an option, is given."""
     for name, value in others.items():
         if value not in (None, []):
-            raise InputError(f"{option}: expected no {name} beside it")
+            raise InputError(f"{option}: cannot be combined with {name}")
 
 
 def output_file(output: Path | None, name: str, default: str, suffixes: Sequence[str]) -> Path:

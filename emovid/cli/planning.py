@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from emovid.cli.options import Force, Json, Quiet, RandomSeed, check_file, number, refuse_beside, whole
+from emovid.cli.options import Force, Json, Quiet, RandomSeed, check_file, number, refuse_with, whole
 from emovid.report.results_json import as_json
 from emovid.workflows.planning import (
     ACCURACY,
@@ -151,7 +151,7 @@ def simulate(
     """
     check_file(output, f"-o {output}", (".csv",))
     if matrix:
-        refuse_beside("--matrix", {"--accuracy": accuracy, "--bias": bias})
+        refuse_with("--matrix", {"--accuracy": accuracy, "--bias": bias})
     rehearsal = Rehearsal(participants, accuracy, matrix, bias or [], elimination, dropout, seed)
     answers = write_rehearsal(rehearsal, output, force=force)
     if not quiet:

@@ -112,7 +112,7 @@ def robotarium(
     if arena not in ARENAS:
         raise InputError(f"--arena {arena}: expected {' or '.join(ARENAS)}{nearest(arena, ARENAS)}")
     if every and (source or emotion):
-        raise InputError("--all: expected no scene beside it")
+        raise InputError("--all: cannot be combined with a scene")
     scripts = {}
     for chosen in EMOTIONS if every else [one_source(source, emotion)]:
         name = f"{_SCENES[arena]}/{chosen}" if chosen in EMOTIONS else chosen

@@ -258,7 +258,7 @@ CATALOGUE: Mapping[str, Entry] = MappingProxyType(
             Entry(
                 "behaviours",
                 "Table II",
-                "Swarm behaviour and robot control selected for each emotion",
+                "Swarm behavior and robot control selected for each emotion",
                 data=BEHAVIOURS,
             ),
             Entry(
@@ -273,7 +273,7 @@ CATALOGUE: Mapping[str, Entry] = MappingProxyType(
             Entry(
                 "trace-sheet",
                 "",
-                "Full traces of all robots, emotion beside emotion",
+                "Full traces of all robots, side by side",
                 traces_figure,
                 lambda material: ({emotion: material.run(emotion) for emotion in EMOTIONS},),
                 DOUBLE_COLUMN,

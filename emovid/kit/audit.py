@@ -132,7 +132,7 @@ def _checks(kit: Kit, key: Path | None) -> dict[str, Check]:
         "times: the same for all files": lambda: check_times(kit),
         "permissions: only the owner can read private files": lambda: check_permissions(kit),
         "manifest: no unknown key": lambda: check_manifest(kit),
-        "pages: no text names an emotion beside a code": lambda: check_pages(kit, hints),
+        "pages: no text names an emotion next to a code": lambda: check_pages(kit, hints),
         "secrets: no seed, salt or digest is public": lambda: check_secrets(kit),
         "content: no metadata and no readable hint in videos": lambda: check_content(kit, hints),
         "videos: all decode and match the manifest": lambda: check_decoding(kit),

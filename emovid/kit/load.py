@@ -194,7 +194,7 @@ def _label(stimulus: StimulusKeys, scene: Scene | None, study: Study, at: KeyPat
     if emotion in study.labels:
         return str(emotion)
     found = f"{emotion!r} is not a label{nearest(emotion, study.labels)}" if emotion else "has no emotion"
-    key, remedy = ("emotion", "expected") if stimulus.emotion else ("scene", "expected an emotion beside it,")
+    key, remedy = ("emotion", "expected") if stimulus.emotion else ("scene", "expected an additional emotion,")
     raise _error((*at, key), places, f"{found}; {remedy} one of {', '.join(study.labels)}")
 
 

@@ -73,7 +73,9 @@ class ExportMap(Keys):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if self.video and self.videos:
-            message = "given beside videos; expected video for a row for each answer, or videos for a column for each"
+            message = (
+                "given together with videos; expected video for a row for each answer, or videos for a column for each"
+            )
             raise inconsistent("video", message)
         for key, titles in (("response", self.response), ("truth", (self.truth,))):
             if self.video and self.video in titles:

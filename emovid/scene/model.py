@@ -277,7 +277,7 @@ def _barrier_faults(scene: Scene, barrier: Barrier) -> Iterator[tuple[str, str]]
     if abs(scene.steps_held * scene.step - scene.control_period) > _ROUNDING:
         yield "safety.period", f"{barrier.period:g}: expected a whole number of times in the control period"
     if isinstance(scene.behaviour, Coverage) and scene.behaviour.separation is not None:
-        yield "behaviour.separation", f"{scene.behaviour.separation:g}: expected null beside a barrier, which does more"
+        yield "behaviour.separation", f"{scene.behaviour.separation:g}: expected null with a barrier, which does more"
     if body.steers and limits.wheel_max is None and (limits.v_max is None or limits.omega_max is None):
         yield (
             "safety.kind",

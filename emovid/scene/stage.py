@@ -44,13 +44,15 @@ def first_fault(corners: Sequence[Corner]) -> tuple[int, str] | None:
     doubled_area = sum(_cross(a, b) for a, b in _pairs(corners))
     for i, side in enumerate(sides):
         if hypot(*side) <= _SAME:
-            return max(i, (i + 1) % len(sides)), "the same place as the corner beside it: expected each corner once"
+            return max(
+                i, (i + 1) % len(sides)
+            ), "the same position as the neighboring corner: expected each corner once"
     whole_turn = 0.0
     for i, after in enumerate(sides):
         before = sides[i - 1]
         turn = _cross(before, after)
         if abs(turn) <= _SAME * hypot(before[0] + after[0], before[1] + after[1]):
-            return i, "on the line between the corners beside it: expected corners only"
+            return i, "on the line between the neighboring corners: expected corners only"
         whole_turn += atan2(turn, _dot(before, after))
         if turn * doubled_area <= 0 or abs(whole_turn) > 3 * pi:
             return i, "not convex here: expected the corners of a convex stage, in order around it"
@@ -205,7 +207,7 @@ class Polygon(StageKeys):
     def _without_sides(cls, keys: Any) -> Any:
         for side in Rectangle.model_fields:
             if isinstance(keys, dict) and side in keys:
-                raise inconsistent(side, "given beside corners: expected width and height, or corners")
+                raise inconsistent(side, "given together with corners: expected width and height, or corners")
         return keys
 
     @property

@@ -126,7 +126,7 @@ def _positions(sources: Sequence[str], loaded: Mapping[str, Source]) -> dict[str
     """Return the motion of the CSV files, on the stage of the first scene."""
     files = [source for source in sources if _is_csv(source)]
     if files and not loaded:
-        needed = f"expected a scene beside it, as in emovid measure {files[0]} anger, or a .track.yaml"
+        needed = f"expected a scene in addition, as in emovid measure {files[0]} anger, or a .track.yaml"
         raise InputError(f"{files[0]}: positions without a stage and a robot; {needed}")
     like = next(iter(loaded.values()), None)
     return {file: load_positions(Path(file), like.scene) for file in files if like}

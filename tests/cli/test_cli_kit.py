@@ -123,12 +123,12 @@ def test_audit_hides_the_key_unless_requested(kit, capsys) -> None:
         return capsys.readouterr().out
 
     for blind in (said(), said("--json")):
-        assert f"names an emotion beside {code}" in blind
+        assert f"names an emotion next to {code}" in blind
         assert not [label for label in key.values() if label in blind]
         assert "kbit" not in blind  # motion distinguishes emotions, and bit rates depend on it
     rows = [line.split() for line in said("--unblind").splitlines()]
     assert {row[1]: row[0] for row in rows if len(row) == 5 and row[1] in key} == key
-    assert f"pages: exports/page.html: names an emotion beside {code}: fear" in said("--unblind")
+    assert f"pages: exports/page.html: names an emotion next to {code}: fear" in said("--unblind")
     facts = json.loads(said("--unblind", "--json"))
     assert {row["video_code"]: row["emotion"] for row in facts["sizes"]} == key
     assert [finding["emotions"] for finding in facts["findings"]] == [["fear"]]

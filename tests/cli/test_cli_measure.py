@@ -134,7 +134,10 @@ def test_claims_use_all_descriptors_whichever_are_shown(capsys) -> None:
         (["measure", "fear", "-o", "measure.txt"], "expected a file ending in .csv"),
         (["measure", "fear", "--set", "robots=0"], "robots"),
         (["measure", "no.npz"], "cannot be read"),
-        (["measure", "real.csv"], "expected a scene beside it, as in emovid measure real.csv anger, or a .track.yaml"),
+        (
+            ["measure", "real.csv"],
+            "expected a scene in addition, as in emovid measure real.csv anger, or a .track.yaml",
+        ),
         (["measure", "real.csv", "fear"], "real.csv: cannot be read"),
         (["measure", "fear", "--same-rate"], "--same-rate: expected one recorded motion among the sources; given 0"),
     ],

@@ -365,12 +365,12 @@ def test_columns_of_an_export_are_shown(capsys) -> None:
             )
             for weight in ("x", "", "-1", "nan", "1e7")
         ),
-        (["simulate", "--matrix", "m.csv", "--bias", "fear=2"], "--matrix: expected no --bias beside it"),
-        (["simulate", "--matrix", "m.csv", "--accuracy", "0"], "--matrix: expected no --accuracy beside it"),
-        (["analyze", "--counts", "y.csv", "--by", "gender"], "--counts: expected no --by beside it"),
-        (["analyze", "--counts", "y.csv", "--key", "k.csv"], "--counts: expected no --key beside it"),
-        (["analyze", "--counts", "y.csv", "--map", "m.yaml"], "--counts: expected no --map beside it"),
-        (["analyze", "--counts", "y.csv", "--labels", "a,b"], "--counts: expected no --labels beside it"),
+        (["simulate", "--matrix", "m.csv", "--bias", "fear=2"], "--matrix: cannot be combined with --bias"),
+        (["simulate", "--matrix", "m.csv", "--accuracy", "0"], "--matrix: cannot be combined with --accuracy"),
+        (["analyze", "--counts", "y.csv", "--by", "gender"], "--counts: cannot be combined with --by"),
+        (["analyze", "--counts", "y.csv", "--key", "k.csv"], "--counts: cannot be combined with --key"),
+        (["analyze", "--counts", "y.csv", "--map", "m.yaml"], "--counts: cannot be combined with --map"),
+        (["analyze", "--counts", "y.csv", "--labels", "a,b"], "--counts: cannot be combined with --labels"),
         (
             ["analyze", str(REFERENCE / "responses.csv"), "--labels", ""],
             None,

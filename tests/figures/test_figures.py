@@ -277,7 +277,7 @@ def test_confusion_is_drawn_with_rows_perceived_from_the_top() -> None:
     (cell,) = [text for text in texts(figure) if text.get_text() == "100\n(5)"]
     assert cell.get_position() == (2, 0)
     assert figure.axes[0].yaxis_inverted()
-    assert sum(word == "–\n(0)" for word in words(figure)) == 6  # nobody answered the other two videos
+    assert sum(word == "–\n(0)" for word in words(figure)) == 6  # the other two videos have no answers
 
 
 def test_study_figures_depend_on_the_available_results() -> None:

@@ -167,7 +167,7 @@ def test_audit_finds_an_emotion_next_to_a_code(kit, page) -> None:
     path.write_text(page.replace("CODE", a_video(kit).stem))
     found = Found(kit)
     assert found == {"pages"}
-    assert f"names an emotion beside {a_video(kit).stem}: fear" in found.text
+    assert f"names an emotion next to {a_video(kit).stem}: fear" in found.text
 
 
 def test_list_of_answers_on_a_page_is_not_a_leak(kit) -> None:
@@ -358,7 +358,7 @@ def test_a_published_key_is_checked_without_the_private_folder(kit, tmp_path) ->
 
 def test_audit_finds_a_key_without_its_salt(kit) -> None:
     (kit / "private" / "salt.txt").unlink()
-    assert "salt.txt: missing: nobody can check the commitment to the key without it" in Found(kit).text
+    assert "salt.txt: missing: the commitment to the key cannot be checked without it" in Found(kit).text
 
 
 def test_audit_finds_missing_orders(kit) -> None:

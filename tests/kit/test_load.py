@@ -162,7 +162,7 @@ def test_scene_without_a_label_gives_a_message_with_a_remedy(tmp_path, said, fou
     (folder / "mine.yaml").write_text(text.replace("\nemotion: anger", f"\nemotion: {said}"))
     with pytest.raises(EmovidError) as caught:
         load_study(folder)
-    expected = "expected an emotion beside it, one of happiness, surprise, curiosity, fear, disgust, sadness"
+    expected = "expected an additional emotion, one of happiness, surprise, curiosity, fear, disgust, sadness"
     assert str(caught.value) == f"{folder / 'study.yaml'}:7: stimuli.2.scene: {found}; {expected}"
     write_study(tmp_path, changed(labels, ("scene: anger", "scene: mine.yaml\n    emotion: curiosity")))
     assert [item.emotion for item in load_study(folder).exemplars][2] == "curiosity"

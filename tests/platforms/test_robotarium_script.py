@@ -342,7 +342,7 @@ def test_command_accepts_scene_seed_and_arena(tmp_path, capsys) -> None:
         ),
         (["angr"], "angr: no such file or emotion (did you mean anger?)"),
         ([], "expected one scene: a file, or --emotion and one of happiness, surprise, sadness, fear, disgust, anger"),
-        (["anger", "--all"], "--all: expected no scene beside it"),
+        (["anger", "--all"], "--all: cannot be combined with a scene"),
         (["--all", "-o", "a.py"], "-o a.py: is one file; expected a folder for six scripts"),
         (["anger", "-o", "a.m"], "-o a.m: cannot write .m; expected .py, or a folder"),
     ],

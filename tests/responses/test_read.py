@@ -347,7 +347,7 @@ MAPS = [
     ("videos:\n  video:\n", "map.yaml:2: videos.video: no code; expected the code of a video"),
     ("videos: [z8r4, '']\n", "map.yaml:1: videos.1: no code; expected the code of a video"),
     ("video: video\nvideos: {Q: a}\n",
-     "map.yaml:1: video: given beside videos; expected video for a row for each answer, "
+     "map.yaml:1: video: given together with videos; expected video for a row for each answer, "
      "or videos for a column for each"),
     ("video: video\nresponse: video\n", "map.yaml:2: response: also the column of videos; expected another column"),
     ("video: video\ntruth: video\n", "map.yaml:2: truth: also the column of videos; expected another column"),

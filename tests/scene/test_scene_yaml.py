@@ -154,7 +154,7 @@ def test_values_have_file_and_line(line_break):
         ("a: !!python/name:os.system ''\n", "f.yaml:1: a: tags such as !!python/name:os.system are not supported"),
         ("a: 1\n<<: *b\n", "f.yaml:2: not YAML: anchors and aliases are not supported"),
         ("a: 1\n--- \nb: 2\n", "f.yaml:2: not YAML: found another document"),
-        ("a: " + "9" * 41, f"f.yaml:1: a: '{'9' * 40}' is no int"),
+        ("a: " + "9" * 41, f"f.yaml:1: a: '{'9' * 40}' is not a valid int"),
         ("a: \x00", "f.yaml: not YAML: unacceptable character #x0000: special characters are not allowed"),
         ("[" * 5000, "f.yaml: not a scene: nested too deeply"),
     ],

@@ -49,7 +49,7 @@ def test_a_corner_on_an_edge_is_named(corners, before, share):
     i = before % len(corners)
     a, b = np.array(corners[i]), np.array(corners[(i + 1) % len(corners)])
     corners.insert(i + 1, tuple(a + share * (b - a)))
-    assert first_fault(corners) == (i + 1, "on the line between the corners beside it: expected corners only")
+    assert first_fault(corners) == (i + 1, "on the line between the neighboring corners: expected corners only")
 
 
 def test_star_with_constant_turning_direction_is_not_convex():

@@ -69,7 +69,7 @@ def check_key(kit: Kit, key: Path | None) -> Iterator[Finding]:
     if not file.is_file():
         return
     if not salt.is_file():
-        yield Finding("key", str(salt), "missing: nobody can check the commitment to the key without it")
+        yield Finding("key", str(salt), "missing: the commitment to the key cannot be checked without it")
     elif commitment(salt.read_bytes(), file.read_bytes()) != kit.manifest.key_commitment:
         yield Finding("key", str(file), "not the key to which the manifest commits")
     if set(kit.key) != set(kit.manifest.codes):

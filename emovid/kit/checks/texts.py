@@ -26,7 +26,7 @@ def check_manifest(kit: Kit) -> Iterator[Finding]:
 
 
 def check_pages(kit: Kit, hints: Hints) -> Iterator[Finding]:
-    """Check that no text names an emotion beside a code, or lists codes in an order that could reveal emotions."""
+    """Check that no text names an emotion next to a code, or lists codes in an order that could reveal emotions."""
     codes = re.compile("|".join(map(re.escape, kit.manifest.codes)))
     for path in _texts(kit):
         where = kit.folder.inside(path)
@@ -39,7 +39,7 @@ def check_pages(kit: Kit, hints: Hints) -> Iterator[Finding]:
                 if named and not hints.labels <= named:  # all labels together are the list of choices
                     told.setdefault(match[0], set()).update(named)
         for code, named in told.items():
-            yield Finding("pages", where, f"names an emotion beside {code}", tuple(sorted(named)))
+            yield Finding("pages", where, f"names an emotion next to {code}", tuple(sorted(named)))
         first = list(dict.fromkeys(match[0] for match in found))
         is_order = path.suffix == ".csv" and "position" in text.partition("\n")[0].split(",")
         if first != sorted(first) and not is_order:
@@ -73,7 +73,7 @@ def _completion_codes(kit: Kit) -> Iterator[Finding]:
             continue
         text = path.read_text(encoding="utf-8", errors="replace")
         if any(re.search(rf"(?<!\w){re.escape(word)}(?!\w)", text) for word in words if len(word) >= _SHORTEST_CODE):
-            message = "contains a completion code or a return link: everybody can read it and be paid"
+            message = "contains a completion code or a return link: anyone can read it and be paid"
             yield Finding("secrets", kit.folder.inside(path), message)
 
 

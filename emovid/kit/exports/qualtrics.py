@@ -75,7 +75,7 @@ def limits(kit: Kit) -> Limits:
     if manifest.choices.order == "random":
         found[CHOICES] = by_hand("Select the questions named by codes, and choose Randomization, all choices.")
     if manifest.thanks.code or manifest.thanks.link:
-        seen = by_hand("It is in the block End: without the branch for declining, everybody sees it.")
+        seen = by_hand("It is in the block End: without the branch for declining, all participants see it.")
         found |= {CODE: seen, LINK: seen}
     return found
 
@@ -140,7 +140,7 @@ def _check(check: PublicCheck, video_url: str) -> str:
 
 def _returns(kit: Kit) -> str:
     """Return the codes and links for participants who decline or fail an attention check."""
-    cases = {"who declines": kit.server.declined, "who fails a check": kit.server.failed}
+    cases = {"after declining": kit.server.declined, "after a failed check": kit.server.failed}
     return "; ".join(f"{who}: {back.code or ''} {back.link or ''}".strip() for who, back in cases.items())
 
 
