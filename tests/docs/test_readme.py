@@ -1,6 +1,9 @@
 """The README and the tutorial: their commands run, print the output shown and write the files named."""
 
 import json
+import shutil
+import subprocess
+from pathlib import Path
 
 from tests.helpers.pages import DOCS, ROOT, follow, in_tables, run
 
@@ -17,6 +20,18 @@ def test_readme_commands_work_as_described(tmp_path) -> None:
     for line in in_tables(page):
         done = run(line, tmp_path)
         assert done.returncode == (1 if " diff " in line else 0), f"{line}\n{done.stdout}{done.stderr}"
+    assert untracked(tmp_path) == []
+
+
+def untracked(folder: Path) -> list[str]:
+    """Return the files and folders in a folder that git would list if they stood in the repository."""
+    git = shutil.which("git")
+    if not git or not (ROOT / ".git").exists():
+        return []
+    names = [f"{path.name}/" if path.is_dir() else path.name for path in folder.iterdir()]
+    command = [git, "check-ignore", "--no-index", *names]
+    ignored = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.split("\n")
+    return sorted(set(names) - set(ignored))
 
 
 def test_tutorial_emotion_moves_as_described(tmp_path) -> None:
