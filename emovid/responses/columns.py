@@ -10,6 +10,7 @@ The cells decide, names only break ties. In a table with one row for each answer
    the line of map.yaml that decides. Columns that say the same in every row count as one.
 """
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeAlias
@@ -204,6 +205,7 @@ def layout(table: Table, known: Known, video: int, form: Format = Format(), pers
         evidence = replace(evidence, known=replace(known, codes=codes))
     truth = evidence.truth()
     answers, why, warnings = _answers(evidence, truth, form)
+    _check_choices(evidence, answers)
     return Layout(video, answers, tuple(truth), truth | dict.fromkeys(answers, why), warnings, codes)
 
 
@@ -409,6 +411,40 @@ def _meanings(cells: Column, known: Known) -> Codes:
     places, texts = coded(cells)
     order = {label: i for i, label in enumerate((*known.labels.signalled, NONE))}
     return np.array([order.get(known.labels.find(text) or "", -1) for text in texts], dtype=np.int64)[places]
+
+
+def _check_choices(evidence: _Evidence, answers: Sequence[int]) -> None:
+    """Raise SourceError if answers are numbers of choices whose order differs between rows."""
+    table, known = evidence.table, evidence.known
+    if not any(_is_coded(table, place, known) for place in answers):
+        return
+    order = {text: label for text, label in known.labels.words().items() if text != NONE}
+    lists = [place for place in range(len(table.names)) if place not in (*answers, evidence.video)]
+    named_by = next((place for place in lists if _lists_choices(table, place, order)), None)
+    options = [place for place, labels in evidence.labels.items() if place not in answers and (labels >= 0).any()]
+    if named_by is None and len(options) >= _FEWEST:
+        rows = np.column_stack([evidence.labels[place] for place in options])
+        rows = rows[(rows >= 0).all(axis=1)]
+        distinct = np.unique(rows, axis=0)
+        if len(distinct) > 1 and all(len(set(row)) == len(row) for row in distinct.tolist()):
+            named_by = options[0]
+    if named_by is not None:
+        message = (
+            f"column {quoted(table.names[named_by])} shows the choices in different orders, so the numbers in "
+            f"{quoted(table.names[answers[0]])} have no fixed labels; expected a column with the chosen labels"
+        )
+        raise SourceError(table.file, message, 1)
+
+
+def _lists_choices(table: Table, place: int, words: Mapping[str, str]) -> bool:
+    """Return whether the cells of a column list labels, in different orders."""
+    cells = table.cells[place]
+    sample = coded(cells.iloc[:: max(1, len(cells) // _SAMPLE)])[1]
+    if not sample or not any(mark in sample[-1] for mark in ",|;["):
+        return False
+    parts = ([plain(part) for part in re.split(r"[,|;]", cell)] for cell in sample)
+    orders = {tuple(words[word] for word in found if word in words) for found in parts}
+    return sum(len(set(order)) >= _FEWEST for order in orders) > 1
 
 
 def _is_coded(table: Table, place: int, known: Known) -> bool:

@@ -7,6 +7,7 @@ A mark of a participant (preview, test run, unfinished) leaves out all of the pa
 import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -20,32 +21,52 @@ from emovid.responses.parsed_export import Column, Known, numeric
 
 Mask = NDArray[np.bool_]
 
-TRUE = ("true", "1", "yes", "wahr", "ja", "vrai", "oui", "verdadero", "sí", "si", "vero", "waar", "verdadeiro", "sim")
+TRUE = (
+    "true", "t", "1", "yes", "wahr", "ja", "vrai", "oui", "verdadero", "sí", "si", "vero", "waar", "verdadeiro", "sim",
+)  # fmt: skip
 FALSE = (
-    "false", "0", "no", "falsch", "nein", "faux", "non", "falso", "não", "onwaar", "nee", "fałsz", "nie", "ложь", "нет",
-    "falskt", "nej", "usann", "nei", "epätosi", "否", "偽", "假", "거짓", "yanlış", "hayır",
+    "false", "f", "0", "no", "falsch", "nein", "faux", "non", "falso", "não", "onwaar", "nee", "fałsz", "nie", "ложь",
+    "нет", "falskt", "nej", "usann", "nei", "epätosi", "否", "偽", "假", "거짓", "yanlış", "hayır",
 )  # fmt: skip
 _PEOPLE = {
-    "test run": ("test", "debug", "pretest", "tester"),
+    "test run": ("test", "debug", "pretest", "tester", "testlauf", "probelauf", "test run", "testing"),
     "pilot": ("pilot",),
-    "preview": ("preview", "survey preview"),
-    "partial": ("partial", "incomplete", "abandoned", "in progress", "started", "returned", "timed out", "unfinished"),
-    "rejected": ("rejected", "consent revoked", "data expired", "withdrawn", "screened out"),
+    "preview": ("preview", "survey preview", "vorschau"),
+    "partial": (
+        "partial", "incomplete", "abandoned", "in progress", "started", "returned", "timed out", "unfinished",
+        "aborted", "unvollständig", "abgebrochen", "incomplet", "incompleto", "incompleta", "onvolledig",
+    ),
+    "rejected": ("rejected", "consent revoked", "data expired", "withdrawn", "screened out", "excluded", "abgelehnt"),
     "bot": ("bot",),
+}  # fmt: skip
+# Names of columns that say whether a row counts, and the values with which it does not.
+_FAILED = ("failed", "fail", "not passed", "nicht bestanden", "échoué", "fallido")
+_COUNTS = {
+    "excluded": (r"(is )?(exclude|excluded|deleted|discard|discarded|invalid|ausgeschlossen)", TRUE),
+    "not valid": (r"(is )?(valid|include|included|gültig)", (*FALSE, "invalid", "ungültig")),
+    "no consent": (r"(informed )?(consent|consented|einwilligung|consentement|consentimiento)", FALSE),
+    "failed check": (r"(attention|manipulation|bot) ?checks?( passed)?", _FAILED),
 }
 _PRACTICE = (
-    r"(practi[cs]e|training|train\b|warm ?up|tutorial|demo\b|demonstration|example|instruction|familiari[sz]ation|"
-    r"übung|uebung|probe(durchgang|lauf|block|trial)|beispiel|entra[iî]nement|pratique|exemple|pr[aá]ctica|entrenamiento|ejemplo|esempio|"
-    r"allenamento|pratica|pr[aá]tica|treino|oefen)"
+    r"(practi[cs]e|prac\b|training|train\b|warm ?up|tutorial|demo\b|demonstration|example|instruction|"
+    r"familiari[sz]ation|übung|uebung|probe(durchgang|lauf|block|trial|phase)|beispiel|einweisung|aufwärm|anleitung|"
+    r"entra[iî]nement|pratique|exemple|familiarisation|pr[aá]ctica|entrenamiento|ejemplo|instrucci|esempio|"
+    r"allenamento|addestramento|istruzion|pr[aá]tica|treino|exemplo|instruç|oefen|voorbeeld|instructie|ćwicze|trening|"
+    r"przykład|instrukcj|övning|øvelse|øving|harjoit|esimerkki|alıştırma|örnek|трениров|практика|пример|инструкц|"
+    r"gyakorl|cvič|εξάσκηση|練習|れんしゅう|教示|例題|练习|練習|训练|示例|指导语|연습|예시|تدريب|אימון)"
 )
-_PRACTICE_WORD = re.compile(rf"\b{_PRACTICE}")
+_CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")  # between the words of isPractice
+_PRACTICE_WORD = re.compile(rf"(\b|(?<=[^\x00-\u2e7f])){_PRACTICE}")
 _NO_PRACTICE = re.compile(r"\b(no|non|not|without|after|post|main|real|experimental)\b")
 _CHECK_WORD = re.compile(r"\b(attention|catch( trials?)?$|catch trial|bot ?check|instructed response|imc\b)")
 # Words in names of columns that state the part of a study of a row.
 _PARTS = frozenset((
     "phase", "block", "section", "stage", "part", "task", "type", "condition", "procedure", "screen", "display",
     "loop", "trialtype", "blocktype", "blockname", "taskname", "practice", "training", "kind", "session", "list",
-    "trialname", "component", "running",
+    "trialname", "component", "running", "trialkind", "routine", "teil", "abschnitt", "durchgang", "bedingung",
+    "aufgabe", "typ", "fase", "bloc", "bloque", "blocco", "bloco", "blok", "tâche", "partie", "étape", "condición",
+    "tarea", "tipo", "etapa", "taak", "deel", "etap", "część", "vaihe", "lohko", "блок", "фаза", "этап", "часть",
+    "aşama", "bölüm", "フェーズ", "ブロック", "課題", "条件", "段階", "阶段", "区块", "階段", "组块", "블록", "단계",
 ))  # fmt: skip
 _FLAGS = {
     "practice": re.compile(rf"(is )?{_PRACTICE}( trial| run| block)?"),
@@ -74,7 +95,7 @@ def says(table: Table, words: Collection[str], *names: str) -> Column:
     place = column(table, *names)
     if place is None:
         return pd.Series(False, index=table.cells.index)
-    return cells_that(table.cells[place], lambda text: plain(number(text)) in words)
+    return cells_that(table.cells[place], partial(_is_one_of, words))
 
 
 def below(table: Table, bound: float, *names: str) -> Column:
@@ -114,8 +135,9 @@ def without_rows(
     masks |= {reason: np.asarray(mask, dtype=bool) for reason, mask in marks.rows.items()}
     codes = np.zeros(len(table.lines), dtype=np.int64) if people is None else pd.factorize(people)[0]
     for place in range(len(table.names)):
-        if place not in selected and place not in used:
-            for reason, mask in _parts(table, place, codes):
+        if place not in selected:
+            parts = () if place in used else _parts(table, place, codes)
+            for reason, mask in (*_uncounted(table, place), *parts):
                 masks[reason] = masks[reason] | mask if reason in masks else mask
     kept = np.ones(len(table.lines), dtype=bool)
     counts: dict[str, int] = {}
@@ -141,16 +163,28 @@ def _has(cells: Column, values: Collection[str]) -> Mask:
     return cells_that(cells, lambda cell: number(cell).casefold() in wanted).to_numpy()
 
 
+def _uncounted(table: Table, place: int) -> Iterator[tuple[str, Mask]]:
+    """Yield the rows that do not count by a column such as `excluded` or `valid`."""
+    name = plain(table.names[place])
+    for reason, (pattern, words) in _COUNTS.items():
+        if re.fullmatch(pattern, name):
+            yield reason, cells_that(table.cells[place], partial(_is_one_of, words)).to_numpy()
+
+
+def _is_one_of(words: Collection[str], text: str) -> bool:
+    return plain(number(text)) in words
+
+
 def _parts(table: Table, place: int, people: NDArray[np.int64]) -> Iterator[tuple[str, Mask]]:
     """Yield the rows of practice and of attention checks marked by a column.
 
     A column counts only if participants with such rows have other rows, too: training as an experimental condition, or
     as a question about participants, does not vary within them.
     """
-    name, cells = plain(table.names[place]), table.cells[place]
+    name, cells = plain(_CAMEL.sub(" ", table.names[place])), table.cells[place]
     for reason, pattern in _FLAGS.items():
         if pattern.fullmatch(name):
-            mask = cells_that(cells, lambda text: plain(number(text)) in TRUE).to_numpy()
+            mask = cells_that(cells, partial(_is_one_of, TRUE)).to_numpy()
             if mask.any() and _varies(mask, people):
                 yield reason, mask
     if not set(name.split()) & _PARTS:
@@ -162,8 +196,13 @@ def _parts(table: Table, place: int, people: NDArray[np.int64]) -> Iterator[tupl
 
 
 def is_practice(text: str) -> bool:
+<<<<<<< HEAD
     """Return whether the name of a loop, block or the like means practice, an example or an instruction."""
     words = plain(re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text))
+=======
+    """Return whether the name of a loop, block or the like says that it is practice, an example or an instruction."""
+    words = plain(_CAMEL.sub(" ", text))
+>>>>>>> 971aa1d (Marks of tools in more languages, rows that do not count, choices in shuffled order, copies of files; real columns of Gorilla and SoSci)
     return bool(_PRACTICE_WORD.search(words)) and not _NO_PRACTICE.search(words)
 
 

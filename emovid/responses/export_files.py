@@ -51,6 +51,8 @@ def _text(data: bytes, file: str) -> Table:
         return json_table(data, file)
     if is_pcibex(start):
         return pcibex_table(utf8(data, file).decode(), file)
+    if start.startswith(b"*** Header Start ***"):
+        raise SourceError(file, "the log of one run of E-Prime; expected the text that E-DataAid or E-Merge exports")
     above = _EPRIME_PATH.match(start)  # E-DataAid writes the path of the data file above the header
     return read_table(b"\n" + utf8(data, file)[above.end() :] if above else data, file)
 
@@ -69,11 +71,25 @@ def _workbook(data: bytes, path: Path, sheet: str) -> Table:
             hint = nearest(sheet, names)
             raise SourceError(str(path), f"no sheet {sheet}{hint}; expected one of {', '.join(names)}")
         frame = pd.read_excel(book, sheet_name=sheet or names[0], header=None, dtype=object)
+        if not sheet:
+            _check_only_sheet(book, frame, names, path)
     rows = [(line, [_cell(value) for value in row]) for line, row in enumerate(frame.itertuples(index=False), start=1)]
     filled = [row for row in rows if any(row[1])]
     if not filled:
         raise SourceError(str(path), "an empty sheet; expected a header and rows")
     return table_of(str(path), filled)
+
+
+def _check_only_sheet(book: pd.ExcelFile, first: pd.DataFrame, names: list[str], path: Path) -> None:
+    """Raise SourceError if another sheet has the header of the first one."""
+    for name in names[1:]:
+        header = pd.read_excel(book, sheet_name=name, header=None, dtype=object, nrows=1)
+        if len(first) and len(header) and [*map(_cell, header.iloc[0])] == [*map(_cell, first.iloc[0])]:
+            message = (
+                f"sheets {names[0]} and {name} have the same columns; expected {path.name}#{name}: one sheet for each "
+                "file that is named, or all rows in one sheet"
+            )
+            raise SourceError(str(path), message)
 
 
 def _cell(value: object) -> str:

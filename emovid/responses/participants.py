@@ -19,7 +19,11 @@ from emovid.responses.parsed_export import Column, Known
 # Names of a person in surveys, and endings of these names; likely ones first.
 _PERSONS = (
     "participant", "prolific", "worker", "subject", "subj", "respondent", "proband", "versuchsperson", "teilnehmer",
-    "vp", "vpn", "ppt", "pp", "person", "user", "observer", "rater", "judge",
+    "vp", "vpn", "ppt", "pp", "person", "user", "observer", "rater", "judge", "ptcp", "ppn",
+    "teilnehmerin", "teilnehmende", "participante", "sujeto", "sujet", "partecipante", "soggetto", "sujeito",
+    "proefpersoon", "deelnemer", "deltager", "deltagare", "forsøksperson", "försöksperson", "osallistuja",
+    "koehenkilö", "uczestnik", "osoba", "badany", "účastník", "résztvevő", "katılımcı", "участник", "испытуемый",
+    "参加者", "被験者", "実験参加者", "被试", "参与者", "參與者", "受试者", "참가자", "피험자",
 )  # fmt: skip
 _ENDINGS = ("", "_id", "id", "_code", "code", "_nr", "nr", "_no", "_number", "number", "_pid", "_name", "name")
 NUMBERS = ("response_id", "session", "session_id", "sessionid", "id")  # names that can number rows instead
@@ -41,6 +45,7 @@ _MEASURED = frozenset((
 MOST_LEVELS = 12  # of a group
 _FILLED = 0.9  # of the rows: smallest share that a column of participants fills
 _REPEATED = 0.1  # of the rows: largest share of answers that were sent again
+_MOST_REPEATED = 0.5  # of the rows: largest such share in a column that may name participants at all
 _SEVERAL = 0.5  # of the rows: smallest share that belongs to participants with several rows
 _SHOWN = 4  # names in a message
 _DAMAGED = re.compile(r"[+-]?\d([.,]\d+)?[Ee]\+?\d{2,}")  # a long number as spreadsheets show and save it
@@ -102,9 +107,10 @@ def who(table: Table, known: Known, *names: str, by_file: bool = False) -> Peopl
 
 
 def _filled(table: Table, names: Iterable[str]) -> int | None:
-    """Return the first of these columns that is not empty."""
-    places = (column(table, name) for name in names)
-    return next((place for place in places if place is not None and (table.cells[place] != "").any()), None)
+    """Return the first of these columns that is not empty; one that numbers sessions must differ between rows."""
+    found = [place for name in names if (place := column(table, name)) is not None and (table.cells[place] != "").any()]
+    differing = [p for p in found if not is_named(table, p, NUMBERS) or table.cells[p].nunique() > 1]
+    return next(iter([*differing, *found]), None)
 
 
 def _is_in_several_files(table: Table, place: int) -> bool:
@@ -232,7 +238,7 @@ def _candidate(table: Table, place: int, codes: Column) -> _Candidate | None:
     if filled.empty or len(filled) < _FILLED * len(rows) or _is_measured(filled["person"]):
         return None
     people, again = filled["person"].nunique(), int(filled.duplicated().sum())
-    if people < 2 or again > _REPEATED * len(filled) or filled["person"].duplicated(keep=False).mean() < _SEVERAL:
+    if people < 2 or again > _MOST_REPEATED * len(filled) or filled["person"].duplicated(keep=False).mean() < _SEVERAL:
         return None
     is_complete = not again and len(filled) == len(rows) == people * rows["video"].nunique()
     return _Candidate(place, people, again, is_complete)

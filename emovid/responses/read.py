@@ -1,5 +1,6 @@
 """From the exports of a survey to `Responses`."""
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -20,6 +21,8 @@ from emovid.responses.parsed_export import Known, ParsedExport, no_answers
 from emovid.responses.responses import EMOTIONS, Responses, Source
 
 _WITH_SURVEYS = ("jsPsych", "psiTurk", "reVISit")  # groups are within cells, and not names of columns
+_COPY = re.compile(r"(?i:( ?\(\d+\)|[ _-]+(copy|kopie|copie|copia)( ?\(?\d+\)?)?)$)")  # end of the name of a copy
+_MOST_VALUES = 4  # of a reason: largest number of rare values with a line each
 MOST_REJECTED = 0.1  # largest share of answers, rows and participants that may be rejected
 
 
@@ -104,12 +107,24 @@ def _open_all(paths: Iterable[Path], known: Known, beside: set[Path]) -> tuple[l
             if path.is_dir() and file.resolve() in beside:
                 continue
             try:
-                files.append(_open(file, known))
+                opened = _open(file, known)
+                _check_copy(opened, files)
+                files.append(opened)
             except SourceError as error:
                 if not path.is_dir():
                     raise
-                skipped.append(Rejected(str(file), 0, "", "", str(error).removeprefix(f"{file}: ")))
+                why = error.message if error.where == str(file) else str(error)
+                skipped.append(Rejected(str(file), 0, "", "", why))
     return files, skipped
+
+
+def _check_copy(file: _File, others: Sequence[_File]) -> None:
+    """Raise SourceError for a file that has the bytes of another one, and the name of a copy of it."""
+    for other in others:
+        if file.sha256 == other.sha256:
+            path, first = Path(file.table.file), Path(other.table.file)
+            if path == first or _COPY.sub("", path.stem) == _COPY.sub("", first.stem):
+                raise SourceError(str(path), f"the same data as {first.name}")
 
 
 def _open(file: Path, known: Known) -> _File:
@@ -242,13 +257,21 @@ def _participants(
 def grouped(rejected: Sequence[Rejected]) -> list[str]:
     """Return one line for each reason and value: "20 rows: 'curious' unknown video; ...", the most frequent first.
 
-    A file that was skipped has a line of its own.
+    Rare values of a reason with many share a line. A file that was skipped has a line of its own.
     """
-    counts = Counter((row.value, row.reason) for row in rejected if row.row)
-    return [f"{row.file}: {row.reason}" for row in rejected if not row.row] + [
-        f"{count} row{'s' if count > 1 else ''}: {f'{quoted(value)} ' if value else ''}{reason}"
-        for (value, reason), count in counts.most_common()
-    ]
+    values: dict[str, Counter[str]] = {}
+    for row in rejected:
+        if row.row:
+            values.setdefault(row.reason, Counter())[row.value if row.cell else ""] += 1
+    counts: Counter[str] = Counter()
+    for reason, found in values.items():
+        rare = [value for i, (value, n) in enumerate(found.most_common()) if n == 1 or i >= _MOST_VALUES]
+        if len(rare) > _MOST_VALUES:
+            rest = sum(found.pop(value) for value in rare)
+            counts[f"{quoted(rare[0])} and {len(rare) - 1} other values {reason}"] = rest
+        counts.update({f"{quoted(value)} {reason}" if value else reason: n for value, n in found.items()})
+    lines = [f"{count} row{'s' if count > 1 else ''}: {line}" for line, count in counts.most_common()]
+    return lines + [f"{row.file}: {row.reason}" for row in rejected if not row.row]
 
 
 def _check_rejected(rejected: Sequence[Rejected], total: int, most: float) -> None:

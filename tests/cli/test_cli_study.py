@@ -157,18 +157,23 @@ def test_studies_with_different_labels_are_not_compared(tmp_path, capsys) -> Non
 def test_unusable_answers_are_refused_or_shown_in_groups(tmp_path, capsys) -> None:
     rows = "".join(f"p{i},anger,meh\np{i},fear,{('fear', 'anger')[i % 2]}\n" for i in range(203))
     others = "".join(f"q{i},fear,word{i}\n" for i in range(25))
-    (tmp_path / "x.csv").write_text(f"participant,video,response\n{rows}{others}p9,fear\n")
-    assert main(["study", "analyze", "x.csv"]) == 2
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "x.csv").write_text(f"participant,video,response\n{rows}{others}p9,fear\n")
+    for i in range(25):
+        (tmp_path / "in" / f"note{i}.txt").write_text("no table\n")
+    assert main(["study", "analyze", "in"]) == 2
     said = capsys.readouterr().err
     assert "x.csv: 229 of 432 answers cannot be used (203 rows: 'meh' not a label; expected happiness," in said
-    assert "; and 24 more reasons); expected at most 10 %: correct the key or the map, or accept more" in said
+    assert "; 25 rows: 'word0' and 24 other values not a label; expected happiness," in said
+    assert "; 1 row: ragged row: 2 cells where the header has 3); expected at most 10 %: correct the key or the" in said
     assert not (tmp_path / "results").exists()
-    assert main(["study", "analyze", "x.csv", "--max-rejected", "0.6"]) == 0
+    assert main(["study", "analyze", "in", "--max-rejected", "0.6"]) == 0
     said = capsys.readouterr().out
     assert "\n203 rows: 'meh' not a label; expected happiness," in said
     assert said.count("'meh'") == 1
-    assert "\n... and 7 more in rejected.csv\n" in said
-    assert (tmp_path / "results" / "rejected.csv").read_text().count("\n") == 230
+    assert "\nin/note0.txt: a header alone; expected a row for each participant or answer\n" in said
+    assert "\n... and 8 more in rejected.csv\n" in said
+    assert (tmp_path / "results" / "rejected.csv").read_text().count("\n") == 255
 
 
 def test_analysis_replaces_only_its_own_files(tmp_path, capsys) -> None:

@@ -326,3 +326,165 @@ def test_answers_of_simulated_participants_are_recognized(read) -> None:
     text = long("participant,video,response,mode", lambda p, c, x: f"{p},{c},{x},simulated")
     assert read(text).simulated
     assert not read(long("participant,video,response", lambda p, c, x: f"{p},{c},{x}")).simulated
+
+
+# More forms of each kind
+
+
+def test_choices_in_a_different_order_in_each_row_give_numbers_no_label(refusal) -> None:
+    def shown(p: str, c: str) -> list[str]:
+        start = (list(TRUE).index(c) + len(p) + int(p[1])) % 6
+        labels = list(NUMBERS)
+        return labels[start:] + labels[:start]
+
+    def row(p: str, c: str, label: str, mark: str) -> str:
+        return f'{p},{c},{shown(p, c).index(label) + 1},"{mark.join(shown(p, c))}"'
+
+    for mark in (",", "|", ", "):
+        text = long("participant,video,pressed,choices", lambda p, c, x, mark=mark: row(p, c, x, mark))
+        assert "column 'choices' shows the choices in different orders" in refusal(text, ANSWERS)
+    head = "participant,video,pressed," + ",".join(f"option{i}" for i in range(1, 7))
+    text = long(head, lambda p, c, x: f"{p},{c},{shown(p, c).index(x) + 1},{','.join(shown(p, c))}")
+    assert "column 'option1' shows the choices in different orders" in refusal(text, f"{ANSWERS}response: pressed\n")
+
+
+def test_choices_in_one_order_leave_numbers_their_labels(read) -> None:
+    text = long("participant,video,pressed,choices", lambda p, c, x: f"{p},{c},{NUMBERS[x]},{'|'.join(NUMBERS)}")
+    assert matrix(read(text, ANSWERS)) == RIGHT
+
+
+def test_a_list_of_codes_does_not_fit_columns_whose_videos_differ_between_participants(read, refusal) -> None:
+    orders = {p: list(TRUE)[i:] + list(TRUE)[:i] for i, p in enumerate(GIVEN)}
+
+    def text(shown: dict[str, list[str]]) -> str:
+        rows = (f"{p},{'|'.join(shown[p])},{','.join(given[c] for c in shown[p])}\n" for p, given in GIVEN.items())
+        return "id,order,answer_1,answer_2,answer_3\n" + "".join(rows)
+
+    message = refusal(text(orders), "videos: [z8r4, k2m9, p5t1]\n")
+    assert "column 'order' shows that the videos of a column differ between participants" in message
+    assert matrix(read(text({p: list(TRUE) for p in GIVEN}), "videos: [z8r4, k2m9, p5t1]\n")) == RIGHT
+
+
+@pytest.mark.parametrize(
+    ("head", "practice", "main"),
+    [
+        ("participant,video,réponse,bloc", "entraînement", "principal"),
+        ("participante,video,respuesta,fase", "práctica", "experimento"),
+        ("参加者,video,answer,ブロック", "練習", "本番"),
+        ("被试,video,answer,阶段", "练习阶段", "正式"),
+        ("участник,video,answer,блок", "тренировка", "основной"),
+        ("deelnemer;video;antwoord;fase", "oefening", "test"),
+        ("uczestnik;video;answer;blok", "ćwiczenie", "główny"),
+        ("VP;video;Antwort;Teil", "Übung", "Haupt"),
+        ("participant,video,answer,isPractice", "True", "False"),
+        ("participant,video,answer,trial_kind", "prac", "exp"),
+    ],
+)
+def test_practice_is_known_in_many_languages(read, head, practice, main) -> None:
+    mark = ";" if ";" in head else ","
+    text = long(head, lambda p, c, label: mark.join((p, c, label, main)))
+    found = read(text + "".join(mark.join((p, "z8r4", "fear", practice)) + "\n" for p in GIVEN))
+    assert (matrix(found), found.left_out) == (RIGHT, {"practice": 3})
+
+
+@pytest.mark.parametrize(
+    ("name", "bad", "good", "reason"),
+    [
+        ("excluded", "yes", "no", "excluded"),
+        ("deleted", "1", "0", "excluded"),
+        ("valid", "0", "1", "not valid"),
+        ("consent", "no", "yes", "no consent"),
+        ("attention_check", "failed", "passed", "failed check"),
+    ],
+)
+def test_a_column_can_say_that_rows_do_not_count(read, name, bad, good, reason) -> None:
+    text = long(f"participant,video,felt,{name}", lambda p, c, label: f"{p},{c},{label},{good}")
+    found = read(text + "".join(f"x,{c},fear,{bad}\n" for c in TRUE))
+    assert (matrix(found), found.left_out) == (RIGHT, {reason: 3})
+    head = f"id,{name},{','.join(TRUE)}\n"
+    wide = "".join(f"{p},{good},{','.join(given.values())}\n" for p, given in GIVEN.items())
+    found = read(f"{head}{wide}x,{bad},fear,fear,fear\n")
+    assert (matrix(found), found.left_out) == (RIGHT, {reason: 1})
+
+
+@pytest.mark.parametrize("status", ["Testlauf", "abgebrochen", "excluded", "Vorschau"])
+def test_a_status_in_words_leaves_participants_out(read, status) -> None:
+    text = long("participant,video,felt,Status", lambda p, c, label: f"{p},{c},{label},fertig")
+    found = read(text + "".join(f"x,{c},fear,{status}\n" for c in TRUE))
+    assert (matrix(found), sum(found.dropped.values())) == (RIGHT, 1)
+
+
+def test_answers_in_the_lists_of_clicked_names_are_read_and_practice_loops_are_not(read) -> None:
+    head = f"videoFile,trials.thisN,practice_trials.thisN,choice.clicked_name,slider.response{PSYCHOPY}"
+    text = long(head, lambda p, c, label: f"v/{c}.mp4,{list(TRUE).index(c)},,['{label}'],3,{p},2026,emo,2026.1")
+    text += "".join(f"v/z8r4.mp4,,0,['fear'],3,{p},2026,emo,2026.1\n" for p in GIVEN)
+    found = read(text)
+    assert (matrix(found), found.left_out) == (RIGHT, {"practice": 3})
+
+
+def test_a_copy_of_a_file_counts_once(read) -> None:
+    texts = files_of("stimulus,felt", lambda p: f"{p}.csv")
+    found = read(texts | {"s1 (1).csv": texts["s1.csv"], "s2 - Copy.csv": texts["s2.csv"]})
+    assert matrix(found) == RIGHT
+    assert [row.reason for row in found.rejected] == ["the same data as s1 (1).csv", "the same data as s2 - Copy.csv"]
+
+
+def test_files_with_different_columns_are_a_participant_each(read) -> None:
+    texts = files_of("stimulus,felt", lambda p: f"{p}.csv")
+    texts["s2.csv"] = "stimulus,rt,felt\n" + "".join(f"{c},{k}00,{x}\n" for k, (c, x) in enumerate(GIVEN["s2"].items()))
+    assert matrix(read(texts)) == RIGHT
+
+
+def test_repeats_of_unknown_participants_are_not_hidden(refusal) -> None:
+    text = long("nick,video,felt", lambda p, c, x: f"{p},{c},{x}") + "".join(f"{p},z8r4,fear\n" for p in GIVEN)
+    assert "'nick' may; expected map.yaml: participant: nick" in refusal(text)
+
+
+def test_answers_of_a_second_block_are_repeats(refusal, read) -> None:
+    text = long("participant,video,felt,block", lambda p, c, x: f"{p},{c},{x},1\n{p},{c},sadness,2")
+    assert "9 of 18 answers repeat" in refusal(text)
+    assert matrix(read(text, "rows: {keep: {block: 1}}\n")) == RIGHT
+
+
+def test_rare_values_and_ragged_rows_share_a_line(refusal) -> None:
+    text = long("participant,video,felt", lambda p, c, x: f"{p},{c},{x}")
+    message = refusal(text + "".join(f"s1,z8r4,word {i}\n" for i in range(9)) + "a,b\n" * 7)
+    assert "(9 rows: 'word 0' and 8 other values not a label; expected happiness" in message
+    assert "; 7 rows: ragged row: 2 cells where the header has 3)" in message
+
+
+@pytest.mark.parametrize("missing", ["null", "NaN", "time out", "-77"])
+def test_words_of_programs_for_nothing_are_missing_answers(read, missing) -> None:
+    text = long("participant,video,felt", lambda p, c, x: f"{p},{c},{x}")
+    found = read(text + f"s9,z8r4,{missing}\ns9,k2m9,{missing}\n")
+    assert matrix(found) == RIGHT
+    assert [row.reason for row in found.rejected] == ["no answer"] * 2
+
+
+def test_a_negated_label_is_no_label(refusal) -> None:
+    text = long("participant,video,felt", lambda p, c, x: f"{p},{c},{'not happy' if x == 'disgust' else x}")
+    assert "'not happy' not a label" in refusal(text)
+
+
+def test_ids_that_a_spreadsheet_has_hidden_or_left_empty_are_refused(refusal) -> None:
+    assert "answers repeat" in refusal(long("participant,video,felt", lambda p, c, x: f"########,{c},{x}"))
+    merged = long("participant,video,felt", lambda p, c, x: f"{p if c == 'z8r4' else ''},{c},{x}")
+    assert "6 rows: 'disgust'" in refusal(merged) or "no participant" in refusal(merged)
+
+
+def test_a_session_of_all_participants_names_nobody(read) -> None:
+    rows = "".join(f"{p},1,{','.join(given.values())}\n" for p, given in GIVEN.items())
+    found = read(f"id,session,{','.join(TRUE)}\n{rows}")
+    assert (matrix(found), found.participants.index.tolist()) == (RIGHT, list(GIVEN))
+
+
+def test_a_pilot_beside_a_study_is_counted_apart(read) -> None:
+    text = long("participant,video,position,response,mode", lambda p, c, x: f"{p},{c},1,{x},live")
+    found = read(text + "".join(f"x,{c},1,fear,pilot\n" for c in TRUE))
+    assert (matrix(found), found.dropped, found.simulated) == (RIGHT, {"pilot": 1}, False)
+    assert len(read(text + "x,z8r4,1,fear,pilot\n", include_pilots=True).participants) == 4
+
+
+def test_one_simulated_participant_marks_the_whole_study(read) -> None:
+    text = long("participant,video,response,mode", lambda p, c, x: f"{p},{c},{x},live")
+    assert read(text + "x,z8r4,fear,simulated\n").simulated

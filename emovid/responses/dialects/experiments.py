@@ -193,13 +193,13 @@ def recognizes_gorilla(table: Table, _: Known) -> bool:
 def read_gorilla(table: Table, known: Known) -> ParsedExport:
     """Read the responses to a video; rejected participants, previews, and practice by its display are left out."""
     ids = ("Participant Private ID", "Participant Public ID")
-    form = Format((), ("Response",), ("Trial Number",), ids, _GORILLA_TOOL.__contains__)
+    form = Format((), ("Response",), ("Trial Number",), ids, _is_of_gorilla)
     status = "Participant Status"
 
     def marks(rows: Table) -> Marks:
         people = {
-            "partial": says(rows, ("in progress", "incomplete", "timed out"), status),
-            "rejected": says(rows, ("rejected",), status),
+            "partial": says(rows, ("in progress", "incomplete", "timed out", "time limit", "live", "active"), status),
+            "rejected": says(rows, ("rejected", "excluded"), status),
             "preview": says(rows, ("preview",), status),
         }
         return Marks(people)
@@ -216,13 +216,34 @@ _GORILLA_TOOL = frozenset((
     "Room Order", "Task Name", "Task Version", "Spreadsheet", "Spreadsheet Name", "Spreadsheet Row", "Trial Number",
     "Screen Number", "Screen Name", "Zone Name", "Zone Type", "Reaction Time", "Reaction Onset", "Response Type",
     "Response", "Attempt", "Correct", "Incorrect", "Dishonest", "X Coordinate", "Y Coordinate", "Timed Out",
-    "display", "randomise_blocks", "randomise_trials", "ShowProgressBar",
+    "display", "randomise_blocks", "randomise_trials", "ShowProgressBar", "Display", "Screen ID", "Screen",
+    "Screen Counter", "Absolute Reaction Time", "Tag", "Component Name", "Object Name", "Object Number", "Object ID",
+    "Onset Time", "Clock Time", "Question Key", "Randomise Blocks", "Randomise Trials",
 ))  # fmt: skip
+_GORILLA_NODE = re.compile(r"(branch|checkpoint|quota|delay|redirect|switch|repeat|reject)-\w{4}|Store: .*")
+# Events that are no answers: of media and buttons (zones of task builder 1), and of screens (task builder 2).
+_GORILLA_EVENT = re.compile(r"(?i:(audio|video) (started|finished|stopped|paused|seek.*|play.*)|(begin|end) .*)")
+_GORILLA_ZONE = re.compile(r"(content|continue|fixation|timelimit|feedback)_?.*")
+_GORILLA_TYPES = ("info", "continue", "action")
+
+
+def _is_of_gorilla(name: str) -> bool:
+    return name in _GORILLA_TOOL or _GORILLA_NODE.fullmatch(name) is not None
 
 
 def _answers_of_zones(table: Table, video: int, recognized: Column) -> Column:
     place = column(table, "Response")
-    return recognized & (table.cells[place] != "") if place is not None else table.cells[video] != ""
+    if place is None:
+        return table.cells[video] != ""
+    events = cells_that(table.cells[place], lambda text: not text or _GORILLA_EVENT.fullmatch(text) is not None)
+    events |= says(table, _GORILLA_TYPES, "Response Type")
+    for name, is_event in (
+        ("Zone Type", lambda text: _GORILLA_ZONE.fullmatch(text) is not None),
+        ("Question Key", lambda text: text.endswith("-quantised")),  # the number of the answer in another row
+    ):
+        if name in table.names:
+            events |= cells_that(table.cells[table.names.index(name)], is_event)
+    return recognized & ~events
 
 
 # Labvanced. One row for each trial; variables of the study are columns.

@@ -5,11 +5,13 @@ from dataclasses import replace
 
 import pandas as pd
 
-from emovid.csv_reader import Table, coded
-from emovid.errors import SourceError
+from emovid.csv_reader import Table, coded, translated
+from emovid.errors import SourceError, quoted
+from emovid.responses.columns import column
 from emovid.responses.dialects.tables import code_in, read_wide, video_columns
-from emovid.responses.exclusions import FALSE, Marks, below, says
+from emovid.responses.exclusions import FALSE, TRUE, Marks, below, says
 from emovid.responses.key import code_of
+from emovid.responses.labels import number
 from emovid.responses.parsed_export import Column, Known, ParsedExport, whole_numbers
 
 _TOOL = (
@@ -18,24 +20,25 @@ _TOOL = (
     "Email", "ExternalDataReference", "ExternalReference", "LocationLatitude", "LocationLongitude", "LocationAccuracy",
     "DistributionChannel", "UserLanguage", "Q_RecaptchaScore",
 )  # fmt: skip
-# Values of Status: choice text in the languages of exports, and numbers.
-_PREVIEW = (
-    "1", "17", "survey preview", "preview", "umfragevorschau", "vorschau der umfrage", "umfrage vorschau",
-    "aperçu de l enquête", "aperçu du sondage", "vista previa de la encuesta", "anteprima sondaggio",
-    "anteprima del sondaggio", "enquêtevoorbeeld", "voorbeeld van enquête", "visualização da pesquisa",
-    "pré visualização da pesquisa", "アンケートのプレビュー", "调查预览", "问卷预览", "предпросмотр опроса",
-)  # fmt: skip
-_TEST = (
-    "2",
-    "18",
-    "survey test",
-    "umfragetest",
-    "test de l enquête",
-    "prueba de encuesta",
-    "test del sondaggio",
-    "enquêtetest",
-)
-_SPAM = ("8", "9", "12", "40", "spam")
+# Words in the values of Status, which Qualtrics translates into the language of its user: "Survey Preview",
+# "Umfragevorschau", "Aperçu de l'enquête". Numbers are codes; a spam code or word counts before the others.
+_STATES = {
+    "spam": (
+        r"spam|スパム|스팸|垃圾|спам|ספאם|مزعج",
+        ("8", "9", "10", "11", "12", "40", "41", "48"),
+    ),
+    "preview": (
+        r"preview|vorschau|aper[cç]u|previa|pr[eé]via|anteprima|voorbeeld|voorvertoning|visualiza[cç]|プレビュー|预览|預覽|미리|"
+        r"предпросмотр|предварительн|podgląd|f[oö]rhandsgransk|forh[aå]ndsvis|esikatsel|[oö]nizleme|معاينة|תצוגה|"
+        r"előnézet|n[aá]hled|προεπισκόπηση|previzualiz|ตัวอย่าง|xem trước|pratinjau",
+        ("1", "17"),
+    ),
+    "test run": (r"test|prueba|prova|teste|тест|テスト|测试|測試|테스트|اختبار", ("2", "18")),
+    "": (
+        r"\bip|ip\b|import|offline|synch?ron|sync|anonym|panel|email|インポート|オフライン|导入|離線|가져|импорт",
+        ("0", "4", "16", "32"),
+    ),
+}
 
 
 def recognizes(table: Table, _: Known) -> bool:
@@ -50,11 +53,9 @@ def read(table: Table, known: Known) -> ParsedExport:
         raise SourceError(table.file, "only headers; expected a row for each response", 1)
     table = table.with_texts(headers) if headers else table
     people = {
-        "preview": says(table, _PREVIEW, "Status", "Response Type"),
-        "test run": says(table, _TEST, "Status", "Response Type"),
-        "spam": says(table, _SPAM, "Status", "Response Type"),
+        **_states(table, known),
         "bot": below(table, 0.5, "Q_RecaptchaScore"),
-        "partial": says(table, FALSE, "Finished") | below(table, 100, "Progress"),
+        "partial": _unfinished(table),
     }
     tool = [name for name in (*table.names, *table.texts) if name in _TOOL]
     tool += [name for name in table.names if name.endswith("_DO") or "_DO_" in name]
@@ -62,6 +63,47 @@ def read(table: Table, known: Known) -> ParsedExport:
         tool += [name for name, text in zip(table.names, table.texts, strict=True) if text in _TOOL]
     raw = read_wide(table, known, "ResponseId", "ResponseID", marks=Marks(people), skip=tool)
     return _with_positions(raw, table, known)
+
+
+def _states(table: Table, known: Known) -> dict[str, Column]:
+    """Return the responses (True) that are previews, tests or spam.
+
+    Raises:
+        SourceError: for a state that is not known, unless the map leaves out participants or rows by this column.
+    """
+    place = column(table, "Status", "Response Type")
+    if place is None:
+        return {}
+    states = translated(table.cells[place], _state)
+    unknown = table.cells[place][states == "unknown"]
+    name = table.names[place]
+    if len(unknown) and name not in {*known.mapping.drop, *known.mapping.rows.keep, *known.mapping.rows.leave_out}:
+        value = quoted(str(unknown.iloc[0]))
+        message = (
+            f"{value} is not known to be an answer, a preview or a test; expected map.yaml: drop: "
+            f"{{{name}: [the values to leave out]}}"
+        )
+        raise SourceError(table.file, message, int(table.lines[(states == "unknown").to_numpy()][0]), name)
+    return {state: states == state for state in ("preview", "test run", "spam")}
+
+
+def _unfinished(table: Table) -> Column:
+    """Return the responses (True) that are not finished. Raises SourceError if that is unknown."""
+    place = column(table, "Finished")
+    if place is not None and "Progress" not in table.names:
+        other = ~says(table, (*TRUE, *FALSE), "Finished") & (table.cells[place] != "")
+        if other.any():
+            message = f"{quoted(str(table.cells[place][other].iloc[0]))}; expected true or false, or a column Progress"
+            raise SourceError(table.file, message, int(table.lines[other.to_numpy()][0]), "Finished")
+    return says(table, FALSE, "Finished") | below(table, 100, "Progress")
+
+
+def _state(text: str) -> str:
+    word = number(text).casefold()
+    for state, (words, codes) in _STATES.items():
+        if not word or word in codes or (not word.isdigit() and re.search(words, word)):
+            return state if word else ""
+    return "unknown"
 
 
 def _headers(table: Table) -> int:

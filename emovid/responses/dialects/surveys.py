@@ -6,7 +6,7 @@ from dataclasses import replace
 from emovid.csv_reader import Table, cells_that
 from emovid.responses.columns import column
 from emovid.responses.dialects.tables import read_wide, video_columns
-from emovid.responses.exclusions import TRUE, Marks, says
+from emovid.responses.exclusions import FALSE, TRUE, Marks, says
 from emovid.responses.labels import plain
 from emovid.responses.parsed_export import Known, ParsedExport, numeric
 
@@ -96,7 +96,7 @@ def read_sosci(table: Table, known: Known) -> ParsedExport:
     ):  # a second header: labels of variables
         table = table.with_texts(1)
     times = tuple(name for name in table.names if re.fullmatch(r"TIME\d+", name))
-    marks = Marks({"test run": says(table, _SOSCI_TESTS, "MODE"), "partial": says(table, ("0", "false"), "FINISHED")})
+    marks = Marks({"test run": says(table, _SOSCI_TESTS, "MODE"), "partial": says(table, FALSE, "FINISHED")})
     return read_wide(table, known, "CASE", marks=marks, skip=(*_SOSCI, *times))
 
 
@@ -110,7 +110,11 @@ def read_unipark(table: Table, known: Known) -> ParsedExport:
     place = table.names.index("dispcode")
     complete = numeric(table.cells[place]).isin(_UNIPARK_COMPLETE)
     marks = Marks({"test run": says(table, TRUE, "tester"), "partial": ~complete})
-    return read_wide(table, known, "lfdn", marks=marks, skip=_UNIPARK)
+    parsed = read_wide(table, known, "lfdn", marks=marks, skip=_UNIPARK)
+    if known.labels.is_declared("0"):
+        return parsed
+    answers = parsed.answers["answer"]
+    return replace(parsed, answers=parsed.answers.assign(answer=answers.mask(answers == "0", "")))  # seen, no answer
 
 
 _REDCAP = (

@@ -269,6 +269,7 @@ def video_columns(table: Table, known: Known, skip: Sequence[int | None] = ()) -
     if known.mapping.codes_of_columns:
         return {named(table, title, "videos"): code for title, code in known.mapping.codes_of_columns.items()}
     if known.mapping.codes_in_order:
+        _check_fixed_order(table, known, skip)
         return dict(zip(_alike(table, known, skip), known.mapping.codes_in_order, strict=True))
     found: dict[str, list[int]] = {}
     for place in range(len(table.names)):
@@ -277,6 +278,23 @@ def video_columns(table: Table, known: Known, skip: Sequence[int | None] = ()) -
             found.setdefault(code, []).append(place)
     chosen = {code: _chosen(table, known, code, places) for code, places in found.items()}
     return {place: code for code, place in chosen.items() if place is not None}
+
+
+def _check_fixed_order(table: Table, known: Known, skip: Sequence[int | None]) -> None:
+    """Raise SourceError if a column shows the videos in orders that differ between rows, so that no list fits."""
+    for place in range(len(table.names)):
+        if place in skip or not known.codes:
+            continue
+        orders = {
+            tuple(code for part in re.split(r"[,|;]", cell) if (code := code_of(part.strip(" \"'[]"))) in known.codes)
+            for cell in coded(table.cells[place])[1]
+        }
+        if len(orders - {()}) > 1:
+            message = (
+                f"column {quoted(table.names[place])} shows that the videos of a column differ between participants; "
+                "expected a column for each video, or a row for each answer"
+            )
+            raise SourceError(table.file, message, 1, "videos")
 
 
 def _check_not_truth(table: Table, known: Known, videos: Mapping[int, str]) -> None:
