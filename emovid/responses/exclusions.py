@@ -196,13 +196,8 @@ def _parts(table: Table, place: int, people: NDArray[np.int64]) -> Iterator[tupl
 
 
 def is_practice(text: str) -> bool:
-<<<<<<< HEAD
     """Return whether the name of a loop, block or the like means practice, an example or an instruction."""
-    words = plain(re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text))
-=======
-    """Return whether the name of a loop, block or the like says that it is practice, an example or an instruction."""
     words = plain(_CAMEL.sub(" ", text))
->>>>>>> 971aa1d (Marks of tools in more languages, rows that do not count, choices in shuffled order, copies of files; real columns of Gorilla and SoSci)
     return bool(_PRACTICE_WORD.search(words)) and not _NO_PRACTICE.search(words)
 
 
