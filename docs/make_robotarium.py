@@ -1,20 +1,38 @@
-"""Write the tables of docs/robotarium.md between its markers: parameters and descriptors of each platform."""
+"""Write the tables of docs/robotarium.md and docs/export-robotarium.md between their markers.
+
+The first has parameters and descriptors of each platform; the second compares runs of the exported scripts, in a
+stand-in of the Robotarium's simulator 1.x, with ours.
+"""
 
 import re
 import sys
 from pathlib import Path
 
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
 from emovid.measure.describe import DESCRIPTORS, describe
+from emovid.platforms.robotarium import ARENAS, robotarium_script
 from emovid.scene.emotions import EMOTIONS, PLATFORMS
-from emovid.scene.load import load_scene
+from emovid.scene.load import Setting, load_scene
 from emovid.scene.model import Scene
 from emovid.swarm.simulate import simulate
+from tests.helpers import rps_stand_in
 
 PLACES = ("", *PLATFORMS)
 SHOWN = (
     "speed_mean", "speed_peak", "distance_travelled", "turning_per_metre", "sharp_corner_share", "cusps_per_second",
     "sparc", "hull_area_share_mean", "nearest_neighbour_end", "overshoot_share", "cost_ratio",
 )  # fmt: skip
+EXPORTED = {
+    "speed_mean": "mean speed [m/s]",
+    "turning_per_metre": "turning [rad/m]",
+    "sharp_corner_share": "share of sharp corners",
+    "cusps_per_metre": "cusps per meter",
+    "radius_of_gyration_end": "radius of gyration at the end [m]",
+    "cost_ratio": "cost relative to the converged cost",
+}
+EXPORT_SEEDS = range(1, 6)
 _ALIKE = {"emotion", "seed", "video", "safety"}  # of all scenes, or said in the text
 
 
@@ -74,6 +92,33 @@ def tables() -> str:
     return "\n\n".join(parts)
 
 
+def script_table() -> str:
+    """Return the descriptors of chaotic scenes and of their scripts over the whole length, mean and deviation."""
+    columns = []
+    for emotion in ("fear", "disgust", "anger"):
+        ours, scripts = [], []
+        for seed in EXPORT_SEEDS:
+            scene = load_scene(f"robotarium-today/{emotion}", [Setting("seed", seed, "--seed")])
+            simulator, _ = rps_stand_in.run(
+                robotarium_script(scene, emotion, ARENAS["3.2x2.0"]), rps_stand_in.Robotarium1
+            )
+            ours.append(describe(simulate(scene), 0.0, scene.duration))
+            scripts.append(describe(simulator.run_of(scene), 0.0, scene.duration))
+        columns += [ours, scripts]
+    head = [f"mean and standard deviation of {len(EXPORT_SEEDS)} seeds"]
+    head += [name for emotion in ("fear", "disgust", "anger") for name in (f"{emotion}: emovid", "script")]
+    rows = [
+        [label, *(_spread([run[name] for run in column]) for column in columns)] for name, label in EXPORTED.items()
+    ]
+    return _table(head, rows)
+
+
+def _spread(values: list[float]) -> str:
+    mean, deviation = float(np.mean(values)), float(np.std(values, ddof=1))
+    digits = max(0, 2 - int(np.floor(np.log10(mean))))
+    return f"{mean:.{digits}f} ± {deviation:.{digits}f}"
+
+
 def _table(head: list[str], rows: list[list[str]]) -> str:
     lines = [head, ["---"] + ["---:"] * (len(head) - 1), *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
@@ -88,6 +133,12 @@ def with_tables(page: str, made: str) -> str:
     return re.sub(r"(?<=<!-- tables -->\n).*(?=<!-- end -->)", lambda _: f"\n{made}\n\n", page, flags=re.DOTALL)
 
 
+def main(folder: Path) -> None:
+    """Write the tables into both pages."""
+    for name, made in (("robotarium.md", tables()), ("export-robotarium.md", script_table())):
+        page = (folder / name).read_text(encoding="utf-8")
+        (folder / name).write_text(with_tables(page, made), encoding="utf-8")
+
+
 if __name__ == "__main__":
-    target = Path(sys.argv[1]) / "robotarium.md"
-    target.write_text(with_tables(target.read_text(encoding="utf-8"), tables()), encoding="utf-8")
+    main(Path(sys.argv[1]))

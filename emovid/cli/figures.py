@@ -45,7 +45,7 @@ def figures(
     formats: Annotated[
         list[str] | None,
         typer.Option(
-            "--format", help="pdf, png, svg; for tables tex, md too. Can be repeated.", show_default="pdf, png; tex, md"
+            "--format", help="pdf, png, svg, eps; tables: tex, md. Can be repeated.", show_default="pdf, png; tex, md"
         ),
     ] = None,
     style: Annotated[

@@ -13,11 +13,13 @@ from emovid.measure.describe import describe
 from emovid.measure.kinematics import speed
 from emovid.measure.trace import path, turning, turns, visible_steps
 from emovid.measure.window import Window, window_of
+from emovid.scene.emotions import EMOTIONS
+from emovid.scene.model import Scene
 from emovid.swarm.arrays import Array
 from emovid.swarm.laws import corners_of
 from emovid.swarm.trajectory import Trajectory
 
-_SECOND = 1.0
+_SECOND = 1.0  # s of the paper's videos; scenes for robots are slower
 _COARSE = 4  # visible steps in a coarse one, 20 mm for a GRITSBot: the size of the motion, not of its detail
 _RIPPLES = 6  # of happiness, the only shape number in the paper
 _ANGLES = 64  # sectors around the swarm's middle in which the radius is averaged
@@ -34,7 +36,8 @@ def claim_metrics(trajectory: Trajectory) -> dict[str, float]:
 
     Besides descriptors:
 
-    - `slowest_second`, `fastest_second`: least and largest mean speed of the swarm in any second [m/s].
+    - `slowest_second`, `fastest_second`: least and largest mean speed of the swarm in any second [m/s]; in a scene
+      that reaches the paper's snapshots later, a second lasts as much longer.
     - `liveliness`: slowest_second over speed_mean.
     - `reverse_share`: share of the robots' time in which they drive backward.
     - `coarse_turning`: turning_per_metre with steps of four visible steps [rad/m].
@@ -52,7 +55,7 @@ def claim_metrics(trajectory: Trajectory) -> dict[str, float]:
     """
     last = float(trajectory.t[-1])
     whole, at = describe(trajectory, 0.0, last), _to_snapshot(window_of(trajectory))
-    slowest, fastest = speeds_in_a_second(trajectory)
+    slowest, fastest = speeds_in_a_second(trajectory, _SECOND * _slowness(trajectory.scene))
     window = Window(trajectory, 0.0, last)
     left, bottom, right, top = trajectory.scene.stage.box
     return {
@@ -85,15 +88,22 @@ def _to_snapshot(window: Window) -> dict[str, float]:
     return {f"{name}_to_snapshot": found[name] for name in _TO_SNAPSHOT}
 
 
-def speeds_in_a_second(trajectory: Trajectory) -> tuple[float, float]:
-    """Return the least and the largest mean speed [m/s] of the swarm in any second of its run.
+def _slowness(scene: Scene) -> float:
+    """Return by which factor a scene reaches its last snapshot later than the paper's emotion."""
+    if not (scene.emotion and scene.snapshot_times):
+        return 1.0
+    return scene.snapshot_times[-1] / EMOTIONS[scene.emotion].snapshot_times[-1]
+
+
+def speeds_in_a_second(trajectory: Trajectory, second: float = _SECOND) -> tuple[float, float]:
+    """Return the least and the largest mean speed [m/s] of the swarm in any `second` [s] of its run.
 
     The distance traveled is piecewise linear in time with bends at the samples, so the extremes lie where a second
     starts or ends at a sample. A run of less than a second is one window.
     """
     t = trajectory.t
     distance = np.concatenate([[0.0], np.cumsum(np.abs(trajectory.commands[..., 0]).mean(axis=1) * np.diff(t))])
-    length = min(_SECOND, float(t[-1] - t[0]))
+    length = min(second, float(t[-1] - t[0]))
     starts = np.concatenate([t, t - length])
     starts = starts[(starts >= t[0]) & (starts <= t[-1] - length + 1e-12)]
     speeds = (np.interp(starts + length, t, distance) - np.interp(starts, t, distance)) / length

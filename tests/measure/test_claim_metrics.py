@@ -24,6 +24,13 @@ def test_a_run_of_less_than_a_second_is_one_window() -> None:
     assert slowest == fastest > 0
 
 
+def test_a_second_lasts_as_much_shorter_or_longer_as_the_last_snapshot_comes() -> None:
+    keys = [Setting("duration", 4, "test"), Setting("snapshots", [0, 1, 3], "test")]  # 6 s in the paper
+    trajectory = simulate(load_scene("anger", keys))
+    found = claim_metrics(trajectory)
+    assert (found["slowest_second"], found["fastest_second"]) == speeds_in_a_second(trajectory, 0.5)
+
+
 def test_sadness_turns_by_an_eighth_of_a_circle() -> None:
     found = claim_metrics(simulate(load_scene("sadness")))
     assert found["circumference_share"] == pytest.approx(1 / 8, rel=0.05)

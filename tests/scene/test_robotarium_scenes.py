@@ -36,7 +36,7 @@ def test_robotarium_scenes_use_the_robots_of_the_paper(name: str) -> None:
     assert (scene.stage.width, scene.stage.height) == ARENAS[platform]
     assert isinstance(scene.safety, Barrier)
     trails = scene.video.trails
-    assert (trails.robots, trails.seconds, trails.fade) == (None, 2, True)
+    assert (trails.robots, trails.seconds, trails.fade) == (None, 2 * TIMES[platform], True)
     assert scene.snapshots == tuple(TIMES[platform] * t for t in EMOTIONS[emotion].snapshot_times)
     assert scene.duration == 15 * TIMES[platform]
     assert type(scene.behaviour) is type(load_scene(emotion).behaviour)
