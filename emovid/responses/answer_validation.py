@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from emovid.csv_reader import Rejected, coded
 from emovid.errors import SourceError
 from emovid.responses.labels import NONE, Labels, plain
+from emovid.responses.mapping import EACH_FILE
 from emovid.responses.parsed_export import Known
 from emovid.responses.responses import EMOTIONS, Synonym
 
@@ -96,9 +97,13 @@ def _repeated(
     count, total = int(again.sum()), int(valid.sum())
     if known.mapping.repeats is None and count > _MOST_REPEATED * total:
         first = answers[again].iloc[0]
+        in_files = places * len(files) + answers["file"].to_numpy(dtype=np.int64)
+        by_file = ""
+        if len(pd.unique(in_files[valid])) == total:  # files with one id, which somebody forgot to change
+            by_file = f"participant: {EACH_FILE}, since no file repeats a video; or "
         message = (
-            f"{count} of {total} answers repeat a participant's answer to a video; expected map.yaml: repeats: first, "
-            "last or all, or rows: those to leave out, such as practice"
+            f"{count} of {total} answers repeat a participant's answer to a video; expected map.yaml: {by_file}"
+            "repeats: first, last or all, or rows: those to leave out, such as practice"
         )
         raise SourceError(files[int(first["file"])], message, int(first["line"]))
     return again

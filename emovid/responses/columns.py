@@ -33,8 +33,8 @@ TRUTH = (
 )  # fmt: skip
 # Words in names of columns that are measured or counted, so that digits in them are no coded answers.
 _COUNTED = frozenset((
-    "rt", "time", "seconds", "duration", "trial", "index", "position", "order", "block", "row", "count", "n",
-    "number", "age", "session", "run", "correct", "accuracy", "score", "confidence", "valence", "arousal",
+    "rt", "time", "date", "timestamp", "seconds", "duration", "trial", "index", "position", "order", "block", "row",
+    "count", "n", "number", "age", "session", "run", "correct", "accuracy", "score", "confidence", "valence", "arousal",
     "intensity", "id", "code", "plays",
 ))  # fmt: skip
 _SAMPLE = 2000  # cells that show the content of a column
@@ -202,7 +202,7 @@ def layout(table: Table, known: Known, video: int, form: Format = Format(), pers
     evidence = _Evidence.of(table, known, video, person)
     codes = {} if known.codes else evidence.stated_codes()
     if codes:
-        evidence = replace(evidence, known=replace(known, codes=codes))
+        evidence = replace(evidence, known=replace(known, codes=codes), is_stated=True)
     truth = evidence.truth()
     answers, why, warnings = _answers(evidence, truth, form)
     _check_choices(evidence, answers)
@@ -221,6 +221,7 @@ class _Evidence:
         people: participant of each row; None if no column names them.
         labels: label of each row in the columns that hold labels, -1 where there is none.
         names: names of the videos.
+        is_stated: whether a column of the table replaces the key.
     """
 
     table: Table
@@ -230,6 +231,7 @@ class _Evidence:
     names: tuple[str, ...]
     people: Codes | None
     labels: Mapping[int, Codes]
+    is_stated: bool = False
 
     @classmethod
     def of(cls, table: Table, known: Known, video: int, person: int | None) -> "_Evidence":
@@ -260,7 +262,9 @@ class _Evidence:
         for place, labels in self.labels.items():
             if is_named(self.table, place, TRUTH) and (codes := self._codes(labels)):
                 return codes
-        found = [labels for labels in self.labels.values() if self._is_constant(labels, self.videos)]
+        answers = {column(self.table, title) for title in self.known.mapping.response}
+        others = [labels for place, labels in self.labels.items() if place not in answers]
+        found = [labels for labels in others if self._is_constant(labels, self.videos)]
         stated = [self._codes(labels) for labels in found]
         return stated[0] if stated and all(codes == stated[0] for codes in stated) else {}
 
@@ -356,6 +360,19 @@ def _unlabelled(evidence: _Evidence, truth: Mapping[int, str], tool: Sequence[in
         if place != evidence.video and place not in truth and (shown.cells[place] != "").any():
             return place
     only = [place for place, why in truth.items() if why not in {"its name", "named by the map"}]
+    if len(only) > 1:
+        names = " and ".join(quoted(table.names[place]) for place in only)
+        message = (
+            f"columns {names} have one label for each video, so each can hold the true emotions; expected map.yaml: "
+            "response: the column of answers, and a key or truth: the column of true emotions"
+        )
+        raise SourceError(table.file, message, 1)
+    if only and evidence.is_stated:
+        message = (
+            f"column {quoted(table.names[only[0]])} has one label for each video, which can be the true emotions or "
+            "unanimous answers, and no other column holds labels; expected a key, and map.yaml: response"
+        )
+        raise SourceError(table.file, message, 1)
     if only:
         name, why = table.names[only[0]], truth[only[0]]
         message = (

@@ -12,7 +12,7 @@ from emovid.responses.dialects.registry import Dialect, dialect_of
 from emovid.responses.dialects.tables import code_in, codes_of_rows
 from emovid.responses.export_files import files_in, open_table, short_names
 from emovid.responses.labels import number
-from emovid.responses.mapping import map_text
+from emovid.responses.mapping import EACH_FILE, map_text
 from emovid.responses.parsed_export import ANSWER_TO, Known, ParsedExport
 from emovid.responses.participants import PARTICIPANT, likely_participant
 from emovid.responses.read import known_from, read_pooled
@@ -141,7 +141,10 @@ def _map(
     answers = [table.cells[place] for place in places] if raw is None else [raw.answers["answer"]]
     words = sorted({number(word) for cells in answers for word in coded(cells)[1] if word})
     unknown = [word for word in words if known.labels.find(word) is None][:_MOST_CODES]
-    text = map_text(_named(columns, known), _videos(known, columns), _groups(table, known, raw), unknown)
+    named = _named(columns, known)
+    if raw is not None and set(raw.participants.index) <= set(known.file_names.values()):
+        named = {"participant": known.mapping.participant or EACH_FILE} | named
+    text = map_text(named, _videos(known, columns), _groups(table, known, raw), unknown)
     return f"# To decide: {' '.join(problem.split())}\n{text}" if problem else text
 
 

@@ -168,11 +168,10 @@ def who_answered(table: Table, known: Known, codes: Column, used: Collection[int
         raise SourceError(table.file, f"{doubt}, and {_which(table, certain or found)}", 1)
     if people.ids.duplicated().any():
         return people  # repeated answers are rejected later
-    by_file = _by_file(
-        table,
-        known,
-        "no column identifies participants, and no video is repeated: all answers are taken as those of one person",
-    )
+    alone = "no column identifies participants, and no video is repeated"
+    several = f"{alone} within a file: each file is taken as one participant"
+    one = f"{alone}: all answers are taken as those of one person"
+    by_file = _by_file(table, known, several if len(table.files) > 1 else one)
     if people.place is None and not pd.DataFrame({"file": by_file.ids, "code": codes}).duplicated().any():
         return by_file
     if people.place is None and len(table.files) > 1:

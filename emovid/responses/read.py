@@ -22,6 +22,8 @@ from emovid.responses.responses import EMOTIONS, Responses, Source
 
 _WITH_SURVEYS = ("jsPsych", "psiTurk", "reVISit")  # groups are within cells, and not names of columns
 _COPY = re.compile(r"(?i:( ?\(\d+\)|[ _-]+(copy|kopie|copie|copia)( ?\(?\d+\)?)?)$)")  # end of the name of a copy
+_ODD_NAME = re.compile(r"(test|pilot|demo|debug|preview|tester|mode|mean|median|total|sum|average)[ _-]?\d*")
+_SEVERAL = 3  # rows of an unknown video: fewest that can be those of a lost one
 _MOST_VALUES = 4  # of a reason: largest number of rare values with a line each
 MOST_REJECTED = 0.1  # largest share of answers, rows and participants that may be rejected
 
@@ -174,7 +176,10 @@ def _responses(files: Sequence[_File], known: Known, skipped: Sequence[Rejected]
     rejected += [row for part in parts for row in part.parsed.excluded]
     _check_rejected([*ragged, *valid.rejected], len(together) + len(ragged), max_rejected)
     _check_people(valid, int((together["participant"].drop_duplicates() != "").sum()), max_rejected)
+    _check_lost(valid, known)
     participants = _participants(valid.frame, parts, together, dropped)
+    warnings = [warning for part in parts for warning in part.parsed.warnings]
+    warnings += [*_odd_names(participants.index), *_other_options(valid.rejected)]
     signalled, labels = _labels(valid.frame, together, known)
     notes = {name: part.parsed.note for part in parts for name in part.files}
     return Responses(
@@ -190,7 +195,7 @@ def _responses(files: Sequence[_File], known: Known, skipped: Sequence[Rejected]
         synonyms=valid.synonyms,
         repeats=known.mapping.repeats,
         simulated=any(part.parsed.simulated for part in parts),
-        warnings=tuple(dict.fromkeys(warning for part in parts for warning in part.parsed.warnings)),
+        warnings=tuple(dict.fromkeys(warnings)),
     )
 
 
@@ -286,6 +291,34 @@ def _check_rejected(rejected: Sequence[Rejected], total: int, most: float) -> No
             "the key or the map, or accept more with --max-rejected"
         )
         raise SourceError(faults[0].file, message)
+
+
+def _check_lost(valid: ValidAnswers, known: Known) -> None:
+    """Raise SourceError if a video of the key has no answer, and a video that is not in the key has several."""
+    lost = sorted(set(known.codes) - set(valid.frame["video"].unique()))
+    unknown = Counter(row.value for row in valid.rejected if row.reason.startswith("unknown video"))
+    if lost and unknown and (most := unknown.most_common(1)[0])[1] >= _SEVERAL:
+        fault = next(row for row in valid.rejected if row.value == most[0])
+        message = (
+            f"{most[1]} rows of the unknown video {quoted(most[0])}, and none of {lost[0]}, which is in the key; "
+            "expected the codes of the key, or map.yaml: rows: {leave_out: ...}"
+        )
+        raise SourceError(fault.file, message, fault.row, fault.cell)
+
+
+def _odd_names(names: "pd.Index[str]") -> list[str]:
+    """Return a warning about participants whose ids are words for test runs or for rows of totals."""
+    odd = [name for name in names.tolist() if _ODD_NAME.fullmatch(name.casefold())]
+    shown = ", ".join(map(quoted, odd[:3])) + (", ..." if len(odd) > 3 else "")
+    advice = "leave them out with the map's drop if they are not participants"
+    return [f"participants {shown} count: {advice}"] if odd else []
+
+
+def _other_options(rejected: Sequence[Rejected]) -> list[str]:
+    """Return a warning about the most frequent texts that are no labels."""
+    texts = Counter(row.value for row in rejected if row.reason.startswith("not a label"))
+    shown = ", ".join(f"{quoted(text)} ({count})" for text, count in texts.most_common(3))
+    return [f"answers that are no labels: {shown}; if the survey offered them, name all --labels"] if texts else []
 
 
 def _check_people(valid: ValidAnswers, total: int, most: float) -> None:

@@ -488,3 +488,56 @@ def test_a_pilot_beside_a_study_is_counted_apart(read) -> None:
 def test_one_simulated_participant_marks_the_whole_study(read) -> None:
     text = long("participant,video,response,mode", lambda p, c, x: f"{p},{c},{x},live")
     assert read(text + "x,z8r4,fear,simulated\n").simulated
+
+
+def test_two_questions_about_a_video_are_no_repeats(read, refusal) -> None:
+    def row(p: str, c: str, label: str) -> str:
+        return f"{p},{c},emotion,{NUMBERS[label]}\n{p},{c},sure,{len(label) % 3 + 1}"
+
+    text = long("participant,video,task,response", row)
+    message = refusal(text, ANSWERS)
+    assert "9 of 18 answers repeat a participant's answer to a video, and differ in 'task' ('emotion', 's" in message
+    assert "expected map.yaml: rows: {keep: {task: [emotion]}}, or repeats: first, last or all if" in message
+    assert matrix(read(text, f"{ANSWERS}rows: {{keep: {{task: [emotion]}}}}\n")) == RIGHT
+
+
+def test_files_that_share_one_id_can_be_a_participant_each(read, refusal) -> None:
+    texts = files_of("participant,stimulus,felt", lambda p: f"{p}.csv")
+    texts = {name: text.replace("\n", "\n0,").removesuffix("0,") for name, text in texts.items()}
+    assert "expected map.yaml: participant: each file, since no file repeats a video; or repeats:" in refusal(texts)
+    assert matrix(read(texts, "participant: each file\n")) == RIGHT
+
+
+def test_unanimous_answers_without_a_key_are_no_truth(read, refusal) -> None:
+    unanimous = long("participant,video,choice", lambda p, c, _: f"{p},{c},{dict(TRUE, k2m9='surprise')[c]}")
+    assert "expected a key, and map.yaml: response" in refusal(unanimous, key="")
+    assert "unknown video; expected an emotion, or a key" in refusal(unanimous, "response: choice\n", key="")
+    both = long("participant,video,target,choice", lambda p, c, _: f"{p},{c},{TRUE[c]},{dict(TRUE, k2m9='anger')[c]}")
+    assert "'target' and 'choice' have one label for each video" in refusal(both, key="")
+    assert matrix(read(both, "response: choice\n", key=""))["fear"] == {"anger": 3}
+
+
+def test_a_video_of_the_key_that_is_lost_under_another_code_is_refused(refusal) -> None:
+    people = {f"p{i}": list(GIVEN.values())[i % 3] for i in range(12)}
+    key = KEY + "".join(f"v{i}x,anger\n" for i in range(9)) + "3e12,fear\n"
+    text = long("participant,video,felt", lambda p, c, x: f"{p},{c},{x}", people)
+    text += "".join(f"{p},v{i}x,{'anger' if i % 2 else 'fear'}\n" for p in people for i in range(9))
+    assert "12 rows of the unknown video '3.00E+12', and none of 3e12, which is in the key" in refusal(
+        text + "".join(f"{p},3.00E+12,fear\n" for p in people), key=key
+    )
+
+
+def test_ids_of_tests_and_totals_and_texts_that_are_no_labels_are_warned_of(read) -> None:
+    people = {**{f"p{i}": list(GIVEN.values())[i % 3] for i in range(9)}, "test": GIVEN["s1"], "pilot1": GIVEN["s2"]}
+    text = long("participant,video,felt", lambda p, c, x: f"{p},{c},{x}", people).replace(
+        "p1,z8r4,surprise", "p1,z8r4,awe"
+    )
+    odd, other = read(text).warnings
+    assert odd == "participants 'test', 'pilot1' count: leave them out with the map's drop if they are not participants"
+    assert other == "answers that are no labels: 'awe' (1); if the survey offered them, name all --labels"
+
+
+def test_a_time_stamp_in_a_long_table_is_no_form(read) -> None:
+    text = long("participant,timestamp,video,felt", lambda p, c, x: f"{p},2026-01-01 10:00,{c},{x}")
+    found = read(text)
+    assert (matrix(found), found.sources[0].dialect) == (RIGHT, "long table")

@@ -6,6 +6,7 @@ import pandas as pd
 
 from emovid.csv_reader import Table, coded
 from emovid.errors import SourceError
+from emovid.responses.columns import video_column
 from emovid.responses.dialects.tables import read_wide
 from emovid.responses.exclusions import Marks, says
 from emovid.responses.labels import plain
@@ -36,9 +37,11 @@ _MONKEY = (
 )  # fmt: skip
 
 
-def recognizes_google(table: Table, _: Known) -> bool:
+def recognizes_google(table: Table, known: Known) -> bool:
     """Return whether a column is the form's time stamp."""
     places = [place for place, name in enumerate(table.names) if plain(name) in _TIMESTAMP]
+    if 0 not in places and not known.mapping.video and video_column(table, known) is not None:
+        return False  # a row for each answer, with its time
     return any(all(cell[:1].isdigit() for cell in table.cells[place].head(20) if cell) for place in places)
 
 

@@ -4,11 +4,12 @@ Version 6 has `button_pressed` or `key_press` instead of `response`, and answers
 """
 
 import json
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
-from emovid.csv_reader import Table, table_of, translated, utf8
+from emovid.csv_reader import Table, cells_that, table_of, translated, utf8
 from emovid.errors import SourceError
 from emovid.responses.columns import Format
 from emovid.responses.dialects.tables import read_long
@@ -26,9 +27,15 @@ _TOOL = (
 )  # fmt: skip
 
 
+_PLUGIN = re.compile(r"(html|image|audio|video|canvas|survey)-(\w+-)*(response|choice|select|text|likert|form)")
+
+
 def recognizes(table: Table, _: Known) -> bool:
-    """Return whether a table has the columns of every trial."""
-    return {"trial_type", "trial_index"} <= set(table.names)
+    """Return whether a table has the columns of every trial, or the names of jsPsych's plugins."""
+    if "trial_type" not in table.names:
+        return False
+    plugins = cells_that(table.cells[table.names.index("trial_type")], lambda text: bool(_PLUGIN.fullmatch(text)))
+    return "trial_index" in table.names or bool(plugins.any())
 
 
 def read(table: Table, known: Known) -> ParsedExport:
@@ -49,7 +56,9 @@ def read(table: Table, known: Known) -> ParsedExport:
 
 
 def _is_shared(table: Table) -> bool:
-    """Return whether a file has several runs."""
+    """Return whether a file has several runs, or can have them."""
+    if "trial_index" not in table.names:
+        return True
     rows = table.cells[[table.names.index("trial_index")]].assign(file=0 if table.origins is None else table.origins)
     return bool(rows.duplicated().any())
 

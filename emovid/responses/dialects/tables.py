@@ -1,7 +1,7 @@
 """The two layouts of answers, for every tool: one row for each answer (long), or one column for each video (wide)."""
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +16,7 @@ from emovid.responses.columns import (
     check_named,
     column,
     holds_answers,
+    is_counted,
     layout,
     named,
     share,
@@ -46,6 +47,8 @@ _BESIDE = re.compile(
     r"arousal|position|order|rank|seconds|changed?|do|started|answered|at|text)\b|time$"
 )
 _PLACE = re.compile(r"\b(position|order|rank)\b")
+_MOST_REPEATED = 0.05  # of the rows: largest share of repeats that is not refused here
+_MOST_QUESTIONS = 6  # about one video
 Pick = Callable[[Table, int, Column], Column]  # rows that show a video, given the column and the rows of known videos
 
 
@@ -152,6 +155,7 @@ def read_long(
     if not form.participants and not by_file:
         codes = codes_of_rows(table, known, video)
         people = _with(people, who_answered(table, known, codes, {video, *roles.answers, *roles.truth}))
+    _check_questions(shown, known, people.ids[rows].reset_index(drop=True), video, {*roles.answers, people.place})
     order, position = _positions(shown, known, form, people.ids[rows].reset_index(drop=True), video)
     answers = answers_long(
         shown, people.ids[rows].reset_index(drop=True), video, texts_of(shown, roles.answers), position
@@ -169,6 +173,25 @@ def read_long(
         roles.warnings,
         simulated,
     )
+
+
+def _check_questions(table: Table, known: Known, ids: Column, video: int, used: Collection[int | None]) -> None:
+    """Raise SourceError if a video has several answers of each participant, to the questions that a column names."""
+    rows = pd.DataFrame({"person": ids, "video": codes_of_rows(table, known, video)})
+    if known.mapping.repeats or rows.duplicated().mean() <= _MOST_REPEATED:
+        return
+    for place, name in enumerate(table.names):
+        questions = coded(table.cells[place])[1]
+        if place in (video, *used) or is_counted(name) or not 1 < len(questions) <= _MOST_QUESTIONS:
+            continue
+        if not rows.assign(question=table.cells[place]).duplicated().any():
+            count = int(rows.duplicated().sum())
+            message = (
+                f"{count} of {len(rows)} answers repeat a participant's answer to a video, and differ in "
+                f"{quoted(name)} ({', '.join(map(quoted, questions[:3]))}); expected map.yaml: rows: {{keep: {{{name}: "
+                f"[{questions[0]}]}}}}, or repeats: first, last or all if they answer one question"
+            )
+            raise SourceError(table.file, message, 1)
 
 
 def _needed_video(table: Table, known: Known, form: Format) -> int:
