@@ -17,7 +17,7 @@ from emovid.atomic_io import (
     whole_folder,
     writing,
 )
-from emovid.errors import EmovidError
+from emovid.errors import EmovidError, InputError
 from tests.helpers.owners import DEAD, ELSEWHERE, PARENT, former
 
 
@@ -211,6 +211,21 @@ def test_symbolic_link_leftover_is_removed_and_its_target_kept(tmp_path) -> None
     clear_leftovers(tmp_path)
     assert names(tmp_path) == ["mine"]
     assert names(tmp_path / "mine") == ["text"]
+
+
+def test_links_to_each_other_give_a_one_line_message(tmp_path) -> None:
+    (tmp_path / "a").symlink_to("b")
+    (tmp_path / "b").symlink_to("a")
+    with pytest.raises(EmovidError, match=r"a: cannot be written: too many levels of symbolic links"):
+        replace_if_changed(tmp_path / "a", b"1")
+    assert names(tmp_path) == ["a", "b"]
+
+
+def test_name_that_is_too_long_is_invalid_input(tmp_path) -> None:
+    long = "x" * 250  # valid by itself, but too long for the temporary name
+    with pytest.raises(InputError, match=r"x: cannot be written: file name too long: choose a shorter name"):
+        replace_if_changed(tmp_path / long, b"1")
+    assert names(tmp_path) == []
 
 
 def test_a_private_file_stays_private(tmp_path) -> None:

@@ -172,7 +172,7 @@ def state_of(folder: Path, name: str, record: Record | None, job: Job | None) ->
 def _recorded_state(folder: Path, name: str, record: Record) -> Finding:
     """Return the state of a result whose scene is known to be that of its job."""
     found = _unchanged(folder, name, record)
-    if found.state == "current" and record.versions != versions(record.only):
+    if found.state == "current" and record.versions != versions(record.only, barrier=record.has_barrier):
         return Finding(name, "stale", _versions(record).removeprefix(": ") or _UNREADABLE)
     return found
 
@@ -216,6 +216,6 @@ def _table_finding(folder: Path, name: str, contents: Sequence[bytes]) -> Findin
 def _versions(record: Record) -> str:
     """Return the versions that differ from those of now, as in ": made with numpy 2.4.5, now 2.4.6"; "" if none do."""
     then: Mapping[str, str] = record.versions or {}
-    now = versions(record.only)
+    now = versions(record.only, barrier=record.has_barrier)
     changed = [f"{name} {then[name]}, now {now[name]}" for name in now if then.get(name, now[name]) != now[name]]
     return f": made with {'; '.join(changed)}" if changed else ""

@@ -18,6 +18,7 @@ from emovid.batch.versions import RecordKind, Versions, check_versions, versions
 from emovid.errors import EmovidError
 from emovid.scene.load import scene_digest
 from emovid.scene.model import Scene
+from emovid.scene.robots import Barrier
 from emovid.swarm.files import save_trajectory
 from emovid.swarm.simulate import simulate
 from emovid.swarm.trajectory import Trajectory
@@ -98,6 +99,11 @@ class Record:
         return Recipe(self.only, self.scene_digest, self.run, self.versions or {}, self.encoder)
 
     @property
+    def has_barrier(self) -> bool:
+        """True if the scene has a barrier, so that the result depends on the BLAS kernel."""
+        return bool(((self.scene or {}).get("safety") or {}).get("kind") == "barrier")
+
+    @property
     def has_file(self) -> bool:
         """True if the result is a file or a folder; measurements exist only in the record."""
         return self.only != "measure"
@@ -143,7 +149,7 @@ class Job:
             self.only,
             scene_digest(self.scene),
             self.run.digest() if self.run else None,
-            versions(self.only),
+            versions(self.only, barrier=isinstance(self.scene.safety, Barrier)),
             video_arguments(self.scene.video) if self.only == "video" else None,
         )
 

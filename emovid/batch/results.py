@@ -4,6 +4,7 @@ import io
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -58,11 +59,12 @@ class Table:
 
 def finished_items(folder: Path, items: Items, records: Mapping[str, Record]) -> dict[int, str]:
     """Return the names of the results that exist and have today's versions, by the number of their item."""
-    wanted = versions(items.sweep.only)
+    wanted = cache(lambda barrier: versions(items.sweep.only, barrier=barrier))
     return {
         number: name
         for number, name in items.numbers_of(records).items()
-        if records[name].versions == wanted and (not records[name].has_file or (folder / name).exists())
+        if records[name].versions == wanted(records[name].has_barrier)
+        and (not records[name].has_file or (folder / name).exists())
     }
 
 

@@ -1,11 +1,14 @@
 """Versions of everything that a result depends on: packages, ffmpeg, arithmetic, our code as it was imported."""
 
+import ctypes
 import hashlib
 import platform
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import cache
 from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Literal
 
@@ -39,10 +42,15 @@ class OtherVersionsError(EmovidError):
     """A worker that would make a result with other versions than its client."""
 
 
-def versions(only: RecordKind) -> dict[str, str]:
+def versions(only: RecordKind, *, barrier: bool = False) -> dict[str, str]:
     """Return the versions that decide a kind of result, in this process.
 
-    `code` is a digest of our own modules, `arithmetic` one of results that depend on the processor.
+    `code` is a digest of our own modules, `arithmetic` one of results that depend on the processor, `projection` one of
+    results that depend on the BLAS kernel.
+
+    Args:
+        only: kind of the result.
+        barrier: whether its scene has a barrier, the only part of a run that uses BLAS.
 
     Raises:
         EmovidError: if a module was edited near its import, so that the running code is unknown.
@@ -51,6 +59,7 @@ def versions(only: RecordKind) -> dict[str, str]:
         **{name: _package_version(name) for name in ("emovid", *_PACKAGES[only])},
         **({"ffmpeg": ffmpeg_version()} if only == "video" else {}),
         **({"arithmetic": _arithmetic()} if only != "sheet" else {}),
+        **({"projection": _projection()} if barrier else {}),
         "machine": platform.machine(),
         "code": _SOURCES.digest(_MODULES[only]),
     }
@@ -63,7 +72,7 @@ def differences(there: Versions, here: Versions) -> str:
 
 def check_versions(only: RecordKind, expected: Versions) -> None:
     """Raise an `OtherVersionsError` unless this process has the expected versions."""
-    if other := differences(versions(only), expected):
+    if other := differences(versions(only, barrier="projection" in expected), expected):
         raise OtherVersionsError(f"its worker has other versions: {other}")
 
 
@@ -82,7 +91,7 @@ def _installed_version(name: str) -> str:
 def _arithmetic() -> str:
     """Return a digest of the results of functions whose last digit depends on the processor or on numpy's settings.
 
-    Motions depend on these functions and on no others of this kind: products by BLAS, which differ most, are not used.
+    Motions depend on these functions and on no others of this kind, except for those of barriers: see `_projection`.
     """
     x = np.linspace(-3.0, 3.0, 4099)
     y = x[::-1] + 0.05
@@ -90,6 +99,35 @@ def _arithmetic() -> str:
     parts = [np.sin(x), np.cos(x), np.exp(x), np.log(np.abs(y)), np.hypot(x, y), np.arctan2(x, y), np.sqrt(x * x)]
     parts += [np.abs(x) ** 1.7, np.abs(z), z * (z[::-1] + x), np.exp(1j * x)]
     return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()[:8]
+
+
+@cache
+def _projection() -> str:
+    """Return the BLAS kernel of scipy, if known, and a digest of solutions of the quadratic program of barriers.
+
+    A digest of a few solutions alone would miss kernels that differ in rare ones.
+    """
+    from emovid.swarm.projection import nearest_within  # noqa: PLC0415 - scipy, which other scenes do not need
+
+    rng, sha = np.random.default_rng(0), hashlib.sha256()
+    for rows, columns in 8 * ((6, 4), (12, 6), (40, 12)):
+        A, b = rng.normal(size=(rows, columns)), rng.uniform(0, 0.3, rows)
+        found = nearest_within(0.3 * rng.normal(size=columns), A, b)
+        sha.update(b"" if found is None else found.tobytes())
+    return f"{_blas_kernel()} {sha.hexdigest()[:8]}".strip()
+
+
+def _blas_kernel() -> str:
+    """Return the name of the kernel that scipy's OpenBLAS has chosen, as in "Haswell"; "" for another library."""
+    origin = find_spec("scipy")
+    folder = Path(str(origin.origin)).parent if origin else Path()
+    for library in (*folder.with_name("scipy.libs").glob("libscipy_openblas*"), *folder.glob(".dylibs/*openblas*")):
+        for name in ("scipy_openblas_get_corename", "scipy_openblas_get_corename64_"):
+            with suppress(OSError, AttributeError):
+                ask = getattr(ctypes.CDLL(str(library)), name)
+                ask.restype = ctypes.c_char_p
+                return str(ask().decode())
+    return ""
 
 
 class _Sources:

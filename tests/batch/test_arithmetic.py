@@ -2,6 +2,7 @@
 
 import json
 import os
+import platform
 import subprocess
 import sys
 
@@ -21,7 +22,8 @@ barrier = {"safety": {"kind": "barrier"}, "behaviour.separation": None, "robots"
 barrier["robot.limits"] = {"v_max": 0.1, "omega_max": 8}
 scenes = [("anger", {}), ("happiness", {}), ("fear", picture), ("fear", barrier)]
 made = [make(Job(load_scene(name, {"duration": 1, **keys}), Path("m"), only="measure")) for name, keys in scenes]
-print(json.dumps([versions("measure")["arithmetic"], *((r.trajectory_sha256, r.sha256) for r in made)]))
+known = versions("measure", barrier=True)
+print(json.dumps([known["projection"], known["arithmetic"], *((r.trajectory_sha256, r.sha256) for r in made)]))
 """
 
 
@@ -40,18 +42,21 @@ def digests(tmp_path_factory):
     return compute
 
 
-def test_results_are_identical_under_all_blas_kernels_and_thread_counts(digests) -> None:
+def test_results_without_barriers_are_identical_under_all_blas_kernels_and_thread_counts(digests) -> None:
     settings = [
         {"OPENBLAS_CORETYPE": "Prescott", "OPENBLAS_NUM_THREADS": "1"},
         {"OPENBLAS_CORETYPE": "Haswell", "OPENBLAS_NUM_THREADS": "8"},
     ]
-    first, *others = [digests(**environment) for environment in [{}, *settings]]
-    assert others == [first, first]
+    here, prescott, haswell = [digests(**environment) for environment in [{}, *settings]]
+    *without_barrier, _ = here[1:]
+    assert prescott[1:-1] == haswell[1:-1] == without_barrier
+    if platform.machine() == "x86_64":
+        assert prescott[0] != haswell[0]  # so that scenes with barriers, which may differ, count as outdated
 
 
 def test_different_results_imply_a_different_arithmetic_record(digests) -> None:
     found = np.show_config(mode="dicts")["SIMD Extensions"].get("found", [])
     assert found, "this processor has none beyond the baseline"
     here, without = digests(), digests(NPY_DISABLE_CPU_FEATURES=" ".join(found))
-    if here[1:] != without[1:]:
-        assert here[0] != without[0]
+    if here[2:] != without[2:]:
+        assert here[1] != without[1]

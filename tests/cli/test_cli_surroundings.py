@@ -153,6 +153,16 @@ def test_output_that_is_not_a_folder_is_refused_before_writing(command, name, ca
     assert sorted(path.name for path in Path().iterdir()) == ["ring.yaml"]
 
 
+def test_folder_that_cannot_be_written_to_is_named(monkeypatch, capsys) -> None:
+    def deny(path: Path, *_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied", str(path))
+
+    Path("out").mkdir()
+    monkeypatch.setattr(Path, "mkdir", deny)
+    assert main(["render", "ring.yaml", "-o", "out/x.mp4", *SMALL]) == 1
+    assert capsys.readouterr().err == "out: cannot be written to: permission denied: choose another folder\n"
+
+
 @pytest.mark.parametrize("name", ["results.v2", "2024.11.30", "a.b c"])
 def test_folder_names_may_contain_a_dot(name) -> None:
     assert main(["simulate", "ring.yaml", "-o", name, "-q"]) == 0
