@@ -141,7 +141,7 @@ def test_watching_can_be_quiet(monkeypatch, capsys) -> None:
     monkeypatch.setattr("emovid.workflows.preview.time", SimpleNamespace(perf_counter=time.perf_counter, sleep=sleep))
     with pytest.raises(_EnoughError):
         main(["preview", "my.yaml", *SHORT, "-o", "my.gif", "--watch", "--quiet"])
-    assert names() == ["my.gif", "my.yaml"]
+    assert names() == ["emovid-scene.schema.json", "my.gif", "my.yaml"]
     assert capsys.readouterr() == ("", "")
 
 
