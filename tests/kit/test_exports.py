@@ -343,7 +343,7 @@ def test_unknown_facts_are_marked_as_to_do(fresh, tmp_path) -> None:
     assert f"Approved by {OPEN}" in text
 
 
-def test_a_draft_that_was_filled_in_is_not_replaced(fresh, tmp_path) -> None:
+def test_filled_in_draft_is_not_replaced(fresh, tmp_path) -> None:
     draft = export(open_kit(fresh), "prereg", tmp_path).files[0]
     written = draft.read_text()
     assert export(open_kit(fresh), "prereg", tmp_path).files[0] == draft
@@ -368,7 +368,7 @@ def test_exports_need_the_orders_and_the_study(kit) -> None:
         export(open_kit(kit), "jspsych")
 
 
-def test_export_of_an_earlier_kit_is_replaced(kit, tmp_path) -> None:
+def test_export_of_an_earlier_kit_is_replaced_only_with_force(kit, tmp_path) -> None:
     export(open_kit(kit), "jspsych")
     old = {path.name for path in (kit / "exports" / "jspsych" / "videos").iterdir()}
     built = make_kit(tmp_path, seed=5, force=True)
