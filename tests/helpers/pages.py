@@ -216,7 +216,10 @@ def follow(page: Path, folder: Path) -> None:
         if isinstance(step, Keys):
             write(step, folder)
             continue
-        done = run(re.sub("|".join(map(re.escape, words)) or "$^", lambda word: words[word[0]], step.line), folder)
+        line = re.sub("|".join(map(re.escape, words)) or "$^", lambda word: words[word[0]], step.line)
+        if line.startswith("emovid render ") and "--size" not in line and step.printed is None:
+            line += " --size 320x180 --fps 5"  # more frames and larger ones would show nothing more
+        done = run(line, folder)
         said = done.stdout + done.stderr
         if step.line.startswith("emovid study new "):  # which the reader copies and edits
             study = folder / step.line.split()[3] / "study.yaml"
