@@ -26,7 +26,12 @@ from emovid.scene.emotions import EMOTIONS
 NAMES = [f"{emotion}.mp4" for emotion in EMOTIONS]
 SMALL = ["--size", "320x240", "--fps", "15", "--set", "duration=2", "--jobs", "2"]
 OLD = b"the old one"
-REMEDIES = ("run again to make what is missing", "free some space")
+REMEDIES = (
+    "run again to make what is missing",
+    "free some space",
+    "choose another folder",
+    "IMAGEIO_FFMPEG_EXE names it: unset this variable",
+)
 INTERRUPTED = (130, 143, -signal.SIGTERM, -signal.SIGKILL)
 # A run in the background may ignore SIGINT, and child processes inherit that.
 START = (
@@ -186,6 +191,8 @@ def _unsaid(trial: Trial, fault: Fault) -> list[str]:
     """Return what the messages of a failed run lack: files, reasons, or remedies."""
     lines = [line for line in trial.said.splitlines() if not line.startswith("[")]
     failures = [line for line in lines if f"{trial.folder}/" in line and "another worker tries again" not in line]
+    if len(lines) == 1:  # the whole command failed before any video
+        failures = lines
     if not failures or not all(fault.cause.lower() in line.lower() for line in failures):
         return [f"what failed is not said: {trial.said[-500:]}"]
     return [] if any(remedy in lines[-1] for remedy in REMEDIES) else [f"what to do is not said: {lines[-1]}"]
