@@ -23,6 +23,7 @@ Mask = NDArray[np.bool_]
 
 TRUE = (
     "true", "t", "1", "yes", "wahr", "ja", "vrai", "oui", "verdadero", "sí", "si", "vero", "waar", "verdadeiro", "sim",
+    "prawda", "tak", "истина", "да", "sant", "sann", "tosi", "是", "真", "참", "예", "doğru", "evet",
 )  # fmt: skip
 FALSE = (
     "false", "f", "0", "no", "falsch", "nein", "faux", "non", "falso", "não", "onwaar", "nee", "fałsz", "nie", "ложь",

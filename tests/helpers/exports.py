@@ -428,9 +428,11 @@ def gorilla() -> Export:
         )
         for k, c in enumerate(ORDER.get(p, ORDER["P01"]), start=1):
             right = [CODES[c], f"{c}.mp4", sex]
-            rows.append([*about, k, "Video", "content_video", "3000.1", "", "", "", "main", *right])
+            rows.append([*about, k, "Video", "content_video", "3000.1", "VIDEO STARTED", "", "", "main", *right])
             label = ANSWERS.get(p, ANSWERS["P01"])[c].title()
             rows.append([*about, k, "Answer", "response_button_text", "812.5", label, "1", "1", "main", *right])
+        rows.append([*about, "END TASK", *[""] * (len(rows[0]) - len(about) - 1)])
+    rows.append(["END OF FILE", *[""] * (len(rows[0]) - 1)])
     dropped = {"partial": 1, "rejected": 1}
     export = Export({"data_exp_1-v2_task.csv": table(rows).encode("utf-8-sig")}, "Gorilla", "", dropped, positions=True)
     export.left_out = {"practice": 10}
@@ -495,7 +497,7 @@ SOSCI = ["CASE", "SERIAL", "QUESTNNR", "MODE", "STARTED", "FINISHED", "LASTPAGE"
 def sosci() -> Export:
     rows = [[*SOSCI, *(f"E10{j}" for j in range(1, 7))]]
     for i, p in enumerate([*PEOPLE, "X1", "X2"]):
-        mode, finished = {"X1": ("pretest", 1), "X2": ("interview", 0)}.get(p, ("interview", 1))
+        mode, finished = {"X1": ("pretest", "T"), "X2": ("interview", "F")}.get(p, ("interview", "T"))
         answers = [NUMBERS[label] for label in ANSWERS.get(p, ANSWERS["P01"]).values()]
         sex = GENDER.get(p, "Male")
         rows.append([101 + i, "", "base", mode, "2026-03-02 10:11:12", finished, 8, 12, sex, *answers])

@@ -196,3 +196,54 @@ def test_pcibex_export_without_videos_is_refused(tmp_path) -> None:
         export.files = {name: data.replace(code.encode(), b"clip") for name, data in export.files.items()}
     with pytest.raises(SourceError, match="video"):
         read(export, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("answered", "preview", "test", "spam", "finished", "partial"),
+    [
+        ("IP-Adresse", "Umfragevorschau", "Umfragetest", "Spam", "Wahr", "Falsch"),
+        ("Adresse IP", "Aperçu de l'enquête", "Test de l'enquête", "Spam", "Vrai", "Faux"),
+        ("Dirección IP", "Vista previa de la encuesta", "Prueba de encuesta", "Spam", "Verdadero", "Falso"),
+        ("IPアドレス", "アンケートのプレビュー", "アンケートのテスト", "スパム", "True", "False"),
+        ("IP 주소", "설문조사 미리 보기", "설문조사 테스트", "스팸", "참", "거짓"),
+        ("0", "17", "18", "40", "1", "0"),
+    ],
+)
+def test_states_of_qualtrics_are_known_in_many_languages(
+    tmp_path, answered, preview, test, spam, finished, partial
+) -> None:
+    states = [answered, preview, test, spam]
+    rows = [f"R{i},{state},{finished},2026,angry" for i, state in enumerate(states)]
+    text = "\n".join(["ResponseId,Status,Finished,RecordedDate,Anger", *rows, f"R9,{answered},{partial},2026,angry"])
+    (tmp_path / "q.csv").write_text(text)
+    found = read_responses(tmp_path / "q.csv", max_rejected=1)
+    assert found.participants.index.tolist() == ["R0"]
+    assert found.dropped == {"preview": 1, "test run": 1, "spam": 1, "partial": 1}
+
+
+def test_a_state_of_qualtrics_that_is_not_known_is_refused_unless_the_map_decides(tmp_path) -> None:
+    (tmp_path / "q.csv").write_text(
+        "ResponseId,Status,Finished,RecordedDate,Anger\nR0,0,1,2026,angry\nR1,Wib,1,2026,sad\n"
+    )
+    with pytest.raises(SourceError, match=r"q.csv:3: Status: 'Wib' is not known to be an answer.*drop: \{Status: \["):
+        read_responses(tmp_path / "q.csv")
+    (tmp_path / "map.yaml").write_text("drop: {Status: [Wib]}\n")
+    assert len(read_responses(tmp_path / "q.csv", mapping=tmp_path / "map.yaml").participants) == 1
+    (tmp_path / "q.csv").write_text("ResponseId,Status,Finished,RecordedDate,Anger\nR0,0,wib,2026,angry\n")
+    with pytest.raises(SourceError, match="Finished: 'wib'; expected true or false, or a column Progress"):
+        read_responses(tmp_path / "q.csv")
+
+
+def test_sheets_with_the_same_columns_are_refused(tmp_path) -> None:
+    with pd.ExcelWriter(tmp_path / "a.xlsx") as writer:
+        for name in ("P01", "P02"):
+            pd.DataFrame({"video": ["fear"], "answer": ["fear"]}).to_excel(writer, sheet_name=name, index=False)
+    with pytest.raises(SourceError, match=r"sheets P01 and P02 have the same columns; expected a.xlsx#P02"):
+        read_responses(tmp_path / "a.xlsx")
+    assert len(read_responses(f"{tmp_path}/a.xlsx#P02").answers) == 1
+
+
+def test_the_log_of_one_run_of_e_prime_is_refused(tmp_path) -> None:
+    (tmp_path / "emo-1-1.txt").write_bytes("*** Header Start ***\r\nLevelName: Session\r\n".encode("utf-16"))
+    with pytest.raises(SourceError, match="the log of one run of E-Prime; expected the text that E-DataAid or E-Merge"):
+        read_responses(tmp_path / "emo-1-1.txt")

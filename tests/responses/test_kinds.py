@@ -1,10 +1,15 @@
 """Exports that could silently be counted wrong: each is analyzed correctly or refused."""
 
+import json
+from pathlib import Path
+
 import pytest
 
-from emovid.errors import SourceError
+from emovid.errors import InputError, SourceError
 from emovid.responses.read import read_responses
 from emovid.responses.responses import Responses, Synonym
+from emovid.responses.results_files import WRITTEN, list_of_files
+from emovid.workflows.analysis import _remove_former
 from tests.responses.test_cases import matrix
 
 KEY = "video_code,true_emotion\nz8r4,happiness\nk2m9,fear\np5t1,anger\n"
@@ -541,3 +546,43 @@ def test_a_time_stamp_in_a_long_table_is_no_form(read) -> None:
     text = long("participant,timestamp,video,felt", lambda p, c, x: f"{p},2026-01-01 10:00,{c},{x}")
     found = read(text)
     assert (matrix(found), found.sources[0].dialect) == (RIGHT, "long table")
+
+
+# 10. An analysis owns its folder
+
+
+def analyzed(folder: Path, files: dict[str, bytes]) -> None:
+    """Write the files of an analysis as `write_analysis` does, without drawing any."""
+    files = {**files, WRITTEN: list_of_files(files)}
+    _remove_former(folder, files)
+    for name, data in files.items():
+        (folder / name).write_bytes(data)
+
+
+def test_files_of_a_former_analysis_are_removed_and_other_files_stay(tmp_path) -> None:
+    analyzed(tmp_path, {"report.html": b"1", "accuracy-gender.pdf": b"1"})
+    (tmp_path / "notes.md").write_text("own")
+    (tmp_path / WRITTEN).write_text((tmp_path / WRITTEN).read_text() + f"{'0' * 64}  ../notes.md\n")
+    analyzed(tmp_path, {"report.html": b"2"})
+    assert sorted(path.name for path in tmp_path.iterdir()) == [WRITTEN, "notes.md", "report.html"]
+    assert (tmp_path / "report.html").read_bytes() == b"2"
+
+
+@pytest.mark.parametrize("name", ["accuracy-gender.pdf", "report.html"])
+def test_a_file_that_was_edited_after_an_analysis_is_kept_and_refused(tmp_path, name) -> None:
+    analyzed(tmp_path, {"report.html": b"1", "accuracy-gender.pdf": b"1"})
+    (tmp_path / name).write_bytes(b"edited")
+    with pytest.raises(InputError, match=f"{name}: changed since an analysis wrote it; move it"):
+        analyzed(tmp_path, {"report.html": b"2"})
+    assert (tmp_path / name).read_bytes() == b"edited"
+
+
+def test_results_of_version_0_1_0_which_have_no_list_are_replaced(tmp_path) -> None:
+    former = {"counts": [[1]], "labels": ["fear"], "emotions": ["fear"], "recognition": {}}
+    (tmp_path / "results.json").write_text(json.dumps(former))
+    (tmp_path / "report.html").write_bytes(b"1")
+    analyzed(tmp_path, {"report.html": b"2", "results.json": b"{}"})
+    assert (tmp_path / "report.html").read_bytes() == b"2"
+    (tmp_path / "tests.csv").write_text("own")
+    with pytest.raises(InputError, match=r"tests.csv: not written by an analysis"):
+        analyzed(tmp_path, {"report.html": b"3", "tests.csv": b"3"})

@@ -13,6 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from emovid.errors import SourceError
+from emovid.responses import columns
 from emovid.responses.export_files import open_table
 from emovid.responses.read import read_responses
 from tests.helpers.exports import CODES, COUNTS, EMOTIONS, EXPORTS, KEY, Export
@@ -44,8 +45,9 @@ def truth_of(row: list[str], i: int) -> str:
 class Change:
     """Changes of the tables of an export, drawn from one seed."""
 
-    def __init__(self, seed: int, rows: bool, columns: bool, added: str, renamed: bool) -> None:
+    def __init__(self, seed: int, rows: bool, columns: bool, added: str, renamed: bool, front: bool = False) -> None:
         self.seed, self.rows, self.columns, self.added, self.renamed = seed, rows, columns, added, renamed
+        self.front = front
 
     def table(self, file: str, data: bytes, headers: int, names: dict[str, str]) -> bytes:
         with tempfile.TemporaryDirectory() as folder:
@@ -57,7 +59,7 @@ class Change:
         if self.added:
             for i, row in enumerate(rows):
                 cell = self.added if i <= headers else OTHERS.get(self.added, lambda i, row=row: truth_of(row, i))(i)
-                row.append(cell)
+                row.insert(0 if self.front else len(row), cell)
         if self.columns:
             places = np.random.default_rng(self.seed).permutation(len(rows[0]))
             rows = [[row[place] for place in places] for row in rows]
@@ -84,10 +86,13 @@ class Change:
 def changed(name: str, change: Change) -> Export:
     export = FIXTURES[name]()
     mapping = yaml.safe_load(export.map or "{}") or {}
-    named = [mapping.get("participant"), *(mapping.get("groups") or {}).values()]
+    videos = mapping.get("videos") if isinstance(mapping.get("videos"), dict) else {}
+    named = [mapping.get("participant"), *(mapping.get("groups") or {}).values(), *videos]
     names = {title: f"{title} (x)" for title in named if title} if change.renamed else {}
     if isinstance(mapping.get("participant"), str):
         mapping["participant"] = names.get(mapping["participant"], mapping["participant"])
+    if videos:
+        mapping["videos"] = {names.get(title, title): code for title, code in videos.items()}
     if mapping.get("groups"):
         mapping["groups"] = {group: names.get(title, title) for group, title in mapping["groups"].items()}
     export.map = yaml.safe_dump(mapping, allow_unicode=True) if mapping else ""
@@ -139,3 +144,21 @@ def test_equivalent_changes_keep_the_matrix_or_are_refused(name, seed, rows, col
 @pytest.mark.parametrize("name", ["own", "generic_wide", "jspsych", "psychopy", "qualtrics"])
 def test_additional_column_does_not_lead_to_a_refusal(name, added) -> None:
     assert matrix_of(changed(name, Change(0, rows=True, columns=False, added=added, renamed=False))) == COUNTS
+
+
+# Long tables in which no name of a column belongs to a tool, so that the content of the columns decides.
+BY_CONTENT = ("generic_long", "choices_long", "labvanced", "otree_app")
+
+
+@pytest.mark.parametrize("added", TRUTHS)
+@pytest.mark.parametrize("name", BY_CONTENT)
+def test_true_emotions_in_the_first_column_are_no_answers(name, added) -> None:
+    change = Change(1, rows=True, columns=False, added=added, renamed=False, front=True)
+    assert matrix_of(changed(name, change)) in (None, COUNTS)
+
+
+def test_a_reader_that_takes_the_first_column_of_labels_fails(monkeypatch) -> None:
+    monkeypatch.setattr(columns._Evidence, "truth", lambda _: {})
+    monkeypatch.setattr(columns, "_different", lambda _, places, __: list(places)[:1])
+    change = Change(1, rows=True, columns=False, added="emotion", renamed=False, front=True)
+    assert all(matrix_of(changed(name, change)) not in (None, COUNTS) for name in BY_CONTENT[:3])
