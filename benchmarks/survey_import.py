@@ -21,7 +21,7 @@ PARTICIPANTS = (45, 1000, 10_000, 100_000)
 
 def version_of(python: str) -> str:
     """Return the version of emovid that an interpreter runs."""
-    command = [python, "-c", "import emovid; print(emovid.__version__)"]
+    command = [python, "-c", "from importlib.metadata import version; print(version('emovid'))"]
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
 
