@@ -4,7 +4,7 @@ PYTHON ?= python3
 JOBS ?= $(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1)
 BIN := .venv/bin
 
-.PHONY: all-videos robotarium-videos claims-table robotarium-table figures gallery golden kit study test chaos coverage lint format bench bench-survey readme docs sensitivity validate-statistics setup clean
+.PHONY: all-videos robotarium-videos claims-table robotarium-table figures gallery golden kit study test chaos coverage lint format bench bench-survey rehearsal readme docs sensitivity validate-statistics setup clean
 
 all-videos: .venv/installed
 	$(BIN)/emovid render --all --jobs $(JOBS) -o videos $(FLAGS)
@@ -44,6 +44,9 @@ kit: .venv/installed
 
 bench: .venv/dev-installed
 	$(BIN)/python benchmarks $(ONLY)
+
+rehearsal: .venv/dev-installed
+	EMOVID_REHEARSAL="6 6" $(BIN)/python -m pytest -q tests/survey/test_browser_study.py tests/survey/test_browser_access.py
 
 bench-survey: .venv/dev-installed
 	$(BIN)/python benchmarks survey

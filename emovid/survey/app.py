@@ -1,6 +1,7 @@
 """The survey as a Flask application: checks of every request, headers of every response, pages for every error."""
 
 from collections.abc import Iterable
+from http import HTTPStatus
 from wsgiref.types import StartResponse, WSGIApplication, WSGIEnvironment
 
 from flask import Flask, Response, current_app, g, render_template, request
@@ -23,6 +24,7 @@ _LANGUAGES = {
     "ar": "العربية", "de": "Deutsch", "en": "English", "es": "Español", "fr": "Français", "it": "Italiano",
     "ja": "日本語", "pt": "Português", "zh": "中文",
 }  # fmt: skip
+_FROM_SCRIPT = "X-Survey-Script"
 _KIOSK_SECONDS = 20  # until the last page leads to the next person
 _KIOSK_IDLE = 300  # seconds without any action after which a participant at a kiosk has left
 _HEADERS = {
@@ -89,6 +91,7 @@ def create_app(
         app.register_blueprint(blueprint)
     app.before_request(_check)
     app.after_request(session.set_cookie)
+    app.after_request(_tell_script)
     app.after_request(_secure)
     app.register_error_handler(Exception, _error_page)
     app.context_processor(_shared_context)
@@ -100,6 +103,15 @@ def _check() -> None:
     session.load_code()
     if request.method not in ("GET", "HEAD", "OPTIONS") and not session.has_form_token():
         raise Forbidden
+
+
+def _tell_script(response: Response) -> Response:
+    """Name the next page in a header, to a script that sends a form: following the redirect would load it twice."""
+    if _FROM_SCRIPT in request.headers and response.status_code == HTTPStatus.SEE_OTHER:
+        response.status_code = HTTPStatus.OK
+        response.headers["X-Next"] = response.headers.pop("Location")
+        response.set_data(b"")
+    return response
 
 
 def _secure(response: Response) -> Response:

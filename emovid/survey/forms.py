@@ -2,7 +2,7 @@
 
 import re
 import unicodedata
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -47,6 +47,11 @@ def answers_of(items: Sequence[Question], form: MultiDict[str, str]) -> tuple[di
     answers = {item.name: _answer(item, form.getlist(item.name)) for item in items}
     given = {item.name for item in items if item.number and "".join(form.getlist(item.name)).strip()}
     return answers, {item.name for item in items if not answers[item.name] and (item.required or item.name in given)}
+
+
+def typed_of(names: Iterable[str], form: Mapping[str, str]) -> dict[str, str]:
+    """Return invalid answers as they were typed, to be corrected."""
+    return {name: _line(form.get(name, ""))[:MAX_CHARACTERS] for name in names}
 
 
 def answer_of(

@@ -11,7 +11,7 @@ from emovid.kit.manifest import PublicCheck
 from emovid.kit.study import Question
 from emovid.survey import codes, recruitment, session
 from emovid.survey.database import DatabaseBusyError
-from emovid.survey.forms import answer_of, answers_of, is_suitable, response_ms_of
+from emovid.survey.forms import answer_of, answers_of, is_suitable, response_ms_of, typed_of
 from emovid.survey.records import Participant
 from emovid.survey.rules import Page, Step, after_video, before, current, is_open, with_extras
 from emovid.survey.session import survey
@@ -64,7 +64,7 @@ def tell() -> Reply:
     person = _allowed(Step(Page.ABOUT))
     answers, wrong = answers_of(survey().manifest.demographics, request.form)
     if wrong:
-        return _questions_page(Page.ABOUT, person, answers, wrong), 400
+        return _questions_page(Page.ABOUT, person, answers | typed_of(wrong, request.form), wrong), 400
     survey().store.tell(person.id, answers)
     return _to(Step(Page.INSTRUCTIONS))
 
@@ -125,7 +125,7 @@ def tell_after() -> Reply:
     person = _allowed(Step(Page.AFTER))
     answers, wrong = answers_of(survey().manifest.questions_after, request.form)
     if wrong:
-        return _questions_page(Page.AFTER, person, answers, wrong), 400
+        return _questions_page(Page.AFTER, person, answers | typed_of(wrong, request.form), wrong), 400
     survey().store.tell_after(person.id, answers)
     return _to(Step(Page.REVIEW))
 

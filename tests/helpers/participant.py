@@ -4,6 +4,8 @@ import re
 from random import Random
 from typing import Any
 
+from tests.helpers.firefox import Firefox
+
 PHONE = {"viewport": {"width": 360, "height": 740}, "has_touch": True, "is_mobile": True}
 DESKTOP = {"viewport": {"width": 1280, "height": 800}}
 
@@ -93,3 +95,51 @@ class Participant:
     def leave(self) -> None:
         self._context.close()
         assert self.errors == []
+
+
+class FirefoxParticipant:
+    """One person, in a window of Firefox that may have had another one before.
+
+    Attributes:
+        gender: as told.
+        first, last: first and last answer by video code.
+    """
+
+    def __init__(self, window: Firefox, number: int) -> None:
+        self._window = window
+        self._random = Random(1000 + number)  # noqa: S311 - what somebody happens to choose
+        self.gender = self._random.choice(["Woman", "Man", "Another gender"])
+        self.first: dict[str, str] = {}
+        self.last = self.first  # nothing is changed
+
+    def take_part(self, address: str, language: str, country: str) -> None:
+        """Go from the first page to the last one, and leave the computer to the next person."""
+        window = self._window
+        window.open(f"{address}/?language={language}")
+        window.click("button[value=agree]")
+        window.wait_for("/about")
+        window.click(f"input[value='{self.gender}']")
+        window.type("#about-country", country)
+        window.click("main button[type=submit]")
+        window.wait_for("/instructions")
+        window.click("main button[type=submit]")
+        for place in range(1, 7):
+            window.wait_for(f"/video/{place}")
+            assert window.run("return document.documentElement.scrollWidth <= window.innerWidth")
+            window.click("#play")
+            window.wait("return !document.getElementById('gate').disabled")
+            self._choose()
+        window.wait_for("/review")
+        window.click("main button[type=submit]")
+        window.wait_for("/thanks")
+        window.open(f"{address}/new")
+        window.click("main button[type=submit]")
+        window.wait_for("/")
+
+    def _choose(self) -> None:
+        source = self._window.run("return document.querySelector('#player video').dataset.source")
+        code = source.rpartition("/")[2].removesuffix(".mp4")
+        number = self._random.randrange(6)
+        self.first[code] = self._window.run(f"return document.querySelectorAll('input[name=response]')[{number}].value")
+        self._window.click(f".choices label:nth-of-type({number + 1}) input")
+        self._window.click("#submit")

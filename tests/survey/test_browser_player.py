@@ -5,10 +5,8 @@ import io
 
 import pytest
 
-from emovid.kit.folder import open_public
 from emovid.survey.export import responses_csv
 from emovid.survey.store import open_survey
-from tests.helpers.firefox import firefox, path_of_firefox
 from tests.helpers.participant import Participant
 from tests.helpers.served import serving
 from tests.helpers.small_survey import STUDY, small_kit
@@ -115,35 +113,3 @@ def test_consent_without_a_connection_is_reported_and_continues_after_reconnecti
         own.start()
         person.page.wait_for_url("**/about")
         person.leave()
-
-
-@pytest.mark.skipif(path_of_firefox() is None, reason="no Firefox: its pages were NOT TRIED in it")
-def test_arabic_survey_can_be_completed_in_firefox(server, kit) -> None:
-    with firefox() as window:
-        window.resize(420, 900)  # about the width of a phone
-        window.open(f"{server.address}/")
-        window.click("button[value=agree]")
-        window.wait_for("/about")
-        window.click("input[value=Woman]")
-        window.type("#about-q0", "می\u200cخواهم")
-        window.click("main button[type=submit]")
-        window.wait_for("/instructions")
-        window.click("main button[type=submit]")
-        for place in range(1, 7):
-            window.wait_for(f"/video/{place}")
-            assert window.run("return document.documentElement.scrollWidth <= window.innerWidth")
-            window.click("#play")
-            window.wait("return !document.getElementById('gate').disabled")
-            window.click("input[name=response]")
-            window.click("#submit")
-        window.wait_for("/review")
-        window.click("main button[type=submit]")
-        window.wait_for("/thanks")
-    opened, store = open_survey(kit, pilot=False)
-    rows = list(csv.DictReader(io.StringIO(responses_csv(store, opened, pilot=False, release=7200))))
-    store.close()
-    finished = [row for row in rows if row["status"] == "finished"]
-    assert [row["position"] for row in finished] == list("123456")
-    assert {row["q0"] for row in finished} == {"می\u200cخواهم"}
-    assert all(float(row["watched_share"]) >= 0.98 and int(row["play_ms"]) >= 2900 for row in finished)
-    assert open_public(kit).manifest.language == "ar"

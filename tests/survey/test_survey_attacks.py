@@ -236,6 +236,46 @@ def test_request_bodies_and_fields_are_limited(someone, store, opened) -> None:
     assert max(map(len, re.findall("x+", someone.get("/about").text))) == 500
 
 
+NESTED = b"[" * 20_000 + b"]" * 20_000
+BODIES = [  # type, content
+    ("application/json", b""),
+    ("application/json", b"null"),
+    ("application/json", b"\xff\xfe"),
+    ("application/json", b"9" * 5000),
+    ("application/json", b'{"play": "' + b"0" * 16 + b'", "share": ' + b"9" * 4000 + b"}"),
+    ("application/json", b'{"play": "' + b"0" * 16 + b'", "share": 1e999, "frames": -1e999, "stalls": true}'),
+    ("application/json", b'{"play": "\\ud800"}'),
+    ("application/json", NESTED),
+    ("application/json", b'{"play": ' + NESTED + b"}"),
+    ("application/x-www-form-urlencoded", b"response=%ED%A0%80&gender=%FF&code=%00"),
+    ("application/x-www-form-urlencoded", b"a=1&" * 10_000),
+    ("application/x-www-form-urlencoded", b"%" * 60_000),
+    ("multipart/form-data", b"--x"),
+    ("multipart/form-data; boundary=x", b"--x\r\n\r\n"),
+    ("multipart/form-data; boundary=x", b"--x\r\nContent-Disposition: form-data; name=a; filename=b\r\n\r\nc\r\n--x--"),
+    ("multipart/form-data; boundary=" + "y" * 300, b"--" + b"y" * 300 + b"\r\n" * 30_000),
+    ("text/plain; charset=nonsense", b"\x00" * 60_000),
+]
+
+
+@pytest.mark.parametrize("body", BODIES, ids=range(len(BODIES)))
+def test_no_body_makes_the_survey_fail(someone, body) -> None:
+    kind, content = body
+    headers = {"X-Form-Token": someone.token, "Content-Type": kind}
+    for path in POSTS:
+        reply = someone.client.post(path, data=content, headers=headers)
+        assert reply.status_code < 500, path
+        assert "Traceback" not in reply.text
+
+
+@pytest.mark.parametrize("over", [-1, 0, 1])
+def test_bodies_at_their_limit_are_taken_and_one_byte_more_is_refused(someone, opened, over) -> None:
+    limit, start = body_limit(opened.manifest.demographics), b"gender=Man&country="
+    body = start + b"x" * (limit - len(start) + over)
+    headers = {"X-Form-Token": someone.token, "Content-Type": "application/x-www-form-urlencoded"}
+    assert someone.client.post("/about", data=body, headers=headers).status_code == (413 if over > 0 else 303)
+
+
 @pytest.mark.parametrize("path", PAGES)
 def test_every_page_has_a_restrictive_security_policy(someone, path) -> None:
     headers = someone.get(path).headers

@@ -3,9 +3,11 @@ import json
 import os
 import re
 import signal
+import sqlite3
 import subprocess
 import sys
 import urllib.request
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -142,6 +144,36 @@ def test_withdrawal_by_code_deletes_data_and_prints_remaining_steps(capsys) -> N
     assert store.participants() == []
     assert store.has_withdrawn(digest(visitor.cookie))
     store.close()
+
+
+def test_a_withdrawal_that_a_reader_delays_fails_with_a_message_until_it_is_repeated(capsys, monkeypatch) -> None:
+    (visitor,) = take_part([["fear"] * 6])
+    monkeypatch.setattr("emovid.cli.survey.open_survey", partial(open_survey, patience=0.1))
+    reader = sqlite3.connect("kit/answers/answers.sqlite", isolation_level=None)
+    reader.execute("BEGIN")
+    reader.execute("SELECT * FROM participants").fetchall()
+    assert main(["study", "withdraw", "kit", readable(visitor.cookie)]) == 1
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1
+    assert "another program" in told
+    assert "run this command again" in told
+    reader.close()
+    assert main(["study", "withdraw", "kit", readable(visitor.cookie)]) == 0
+
+
+@pytest.mark.parametrize("counted", [False, True])
+def test_complete_answers_without_a_submission_count_if_the_study_says_so(counted, capsys) -> None:
+    take_part([["fear", "anger", "fear", "anger", "fear", "anger"]])
+    take_part([["fear", "anger", "fear", "anger", "fear", "anger"]], submit=False)
+    manifest = Path("kit/public/manifest.json")
+    said = json.loads(manifest.read_text())
+    manifest.write_text(json.dumps(said | {"counting": said["counting"] | {"unsubmitted": counted}}))
+    assert main(["study", "responses", "kit", "-o", "responses.csv"]) == 0
+    read = read_responses(Path("responses.csv"), key=Path("kit/private/key.csv"))
+    assert len(read.participants) == 1 + counted
+    assert sum(read.dropped.values()) == 1 - counted
+    statuses = {row["status"] for row in csv.DictReader(Path("responses.csv").read_text().splitlines())}
+    assert statuses == {"finished", "complete" if counted else "unsubmitted"}
 
 
 @pytest.mark.parametrize(

@@ -299,3 +299,27 @@ def test_every_label_is_accepted_as_an_answer(visitor, store, opened) -> None:
     visitor().go_through(list(LABELS))
     assert responses(store, opened) == list(LABELS)
     assert store.find(digest("b" * 24)) is None
+
+
+def test_blocked_cookies_are_named(app) -> None:
+    client = app.test_client(use_cookies=False)
+    token = re.search(r'name="form-token" value="([0-9a-f]+)"', client.get("/").text)[1]
+    reply = client.post("/consent", data={"consent": "agree", "form-token": token})
+    assert reply.status_code == 403
+    assert "This survey needs cookies" in reply.text
+
+
+def test_a_page_ahead_leads_to_the_current_one(visitor) -> None:
+    someone = visitor().begin()
+    for path in ("/video/2", "/video/6", "/review", "/thanks"):
+        assert someone.get(path).location == "/video/1"
+    assert someone.get("/video/7").location == "/video/1"
+    assert someone.get("/after").location == "/video/1"
+
+
+def test_the_next_page_is_named_to_the_script(visitor) -> None:
+    someone = visitor()
+    form = {"form-token": someone.token, "consent": "agree"}
+    reply = someone.client.post("/consent", data=form, headers={"X-Survey-Script": "form"})
+    assert (reply.status_code, reply.headers["X-Next"], reply.text) == (200, "/about", "")
+    assert "Location" not in reply.headers

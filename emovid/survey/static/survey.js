@@ -63,8 +63,10 @@ function activateForm(form) {
       body.append("width", window.innerWidth);
     }
     if (form.id === "answer") body.append("response-ms", Math.round(performance.now() - (Number(form.dataset.opened) || opened)));
-    const reply = await send(form.getAttribute("action"), { body }, say); // form.action may be a question's name
-    if (reply.redirected) return go(reply.url);
+    const headers = { "X-Survey-Script": "form" };
+    const reply = await send(form.getAttribute("action"), { body, headers }, say); // form.action may be a question's name
+    const next = reply.headers.get("X-Next");
+    if (next) return go(next);
     const page = parse(await reply.text());
     if (reply.status !== 413 && reply.status < 500) return show(page);
     say(page.querySelector("main p")?.textContent ?? ""); // the form stays as it is, to be sent again
@@ -133,8 +135,8 @@ function activate() {
   for (const slider of document.querySelectorAll("input[type=range]")) activateSlider(slider);
   activateCode();
   followLinks();
-  if (byId("player")) activatePlayer(byId("player")); // fetches ahead once its own video is loaded
-  else fetchAhead();
+  if (!byId("player")) fetchAhead();
+  else if (typeof activatePlayer === "function") activatePlayer(byId("player")); // fetches ahead once its video is loaded
 }
 
 document.addEventListener("input", (event) => {
