@@ -6,63 +6,59 @@ from pathlib import Path
 HERE = Path(__file__).parent
 PAGE = HERE.parent.parent / "docs" / "survey.md"
 TESTS = {
-    "consent twice (double press, two tabs)": ["test_consent_that_is_given_twice_enrols_once"],
-    "no consent": ["test_who_declines_leaves_nothing", "test_a_failed_check_and_no_consent_have_codes_of_their_own"],
-    "no consent, after consent in another tab": [
-        "test_who_declines_after_agreeing_in_another_tab_is_asked_whether_to_delete_all"
-    ],
-    "device or browser outside the requirements": ["test_requirements_are_shown_first_and_checked"],
-    "an answer sent twice": ["test_an_answer_that_comes_twice_is_one"],
-    "two tabs": ["test_two_tabs_are_one_participant_and_the_later_answer_counts"],
+    "consent twice (double press, two tabs)": ["test_repeated_consent_enrolls_once"],
+    "no consent": ["test_declining_stores_no_data", "test_failed_check_and_declined_consent_have_separate_codes"],
+    "no consent, after consent in another tab": ["test_declining_after_consent_in_another_tab_offers_withdrawal"],
+    "device or browser outside the requirements": ["test_requirements_are_shown_and_checked_first"],
+    "an answer sent twice": ["test_repeated_answer_is_stored_once"],
+    "two tabs": ["test_two_tabs_share_a_participant_and_the_later_answer_counts"],
     "back button of the browser": [
-        "test_the_browser_s_back_button_shows_what_the_server_has",
+        "test_back_button_shows_the_stored_state",
         "test_back_button_shows_the_answers_that_the_server_has",
     ],
     "page too far ahead, by its address": ["test_a_page_ahead_leads_to_the_current_one"],
-    "answer before the video was watched": ["test_the_gate_cannot_be_skipped_by_a_direct_post"],
+    "answer before the video was watched": ["test_unwatched_video_cannot_be_answered_by_a_direct_post"],
     "answer or slider missing, number out of range": [
-        "test_a_required_question_without_an_answer_is_asked_again_with_what_was_said",
-        "test_a_slider_that_was_not_moved_or_has_no_such_place_is_asked_for_again",
+        "test_missing_required_answer_is_requested_and_other_answers_are_kept",
+        "test_unmoved_or_invalid_slider_is_requested_again",
         "test_answers_of_other_kinds_are_checked_and_exported",
     ],
     "answers too long to be sent": [
-        "test_bodies_and_fields_have_an_end",
+        "test_request_bodies_and_fields_are_limited",
         "test_answers_that_are_too_long_stay_on_the_page",
     ],
-    "leaving a page with unsent text": ["test_long_answers_in_japanese_are_sent_and_unsent_text_is_warned_of"],
+    "leaving a page with unsent text": ["test_long_japanese_answers_are_sent_and_unsent_text_gives_a_warning"],
     "submission twice": ["test_a_double_submission_changes_nothing"],
-    "submission before everything is answered": ["test_nothing_is_submitted_before_all_is_answered"],
-    "any page or answer after submission": [
-        "test_a_tab_left_open_after_submission_in_another_changes_nothing_and_is_led_to_the_thanks"
-    ],
+    "submission before everything is answered": ["test_submission_requires_all_answers"],
+    "any page or answer after submission": ["test_tab_open_after_submission_is_redirected_to_the_last_page"],
     "reload, crash of the browser or device": [
-        "test_a_crash_of_the_browser_loses_no_acknowledged_answer",
-        "test_every_click_is_in_the_export_and_nothing_else",
+        "test_browser_crash_loses_no_acknowledged_answer",
+        "test_export_contains_exactly_the_clicks",
     ],
     "restart of the server, lost connection": [
-        "test_a_restart_of_the_server_is_not_noticed",
-        "test_no_acknowledged_answer_is_lost_and_none_is_there_twice",
-        "test_questions_called_as_parts_of_the_page_are_sent_and_a_lost_connection_is_seen",
+        "test_server_restart_does_not_interrupt_participants",
+        "test_acknowledged_answers_are_stored_exactly_once",
+        "test_questions_named_like_page_elements_are_sent_and_connection_loss_is_shown",
     ],
     "database locked by another program": [
         "test_a_locked_database_is_waited_for",
         "test_a_recruit_is_recorded_by_the_next_request_where_the_database_was_locked",
     ],
-    "video that cannot be loaded": ["test_a_video_that_fails_says_so_and_plays_once_the_network_is_back"],
+    "video that cannot be loaded": ["test_failed_video_is_reported_and_plays_after_reconnecting"],
     "cookies blocked": ["test_blocked_cookies_are_named"],
-    "expired or deleted cookie": ["test_an_expired_cookie_is_asked_for_the_code_which_leads_back"],
+    "expired or deleted cookie": ["test_expired_cookie_requires_the_code_to_resume"],
     "unknown code": ["test_an_unknown_code_is_reported_and_deletes_nothing"],
-    "code of a participant who has withdrawn": ["test_withdrawal_deletes_and_every_later_step_says_so"],
+    "code of a participant who has withdrawn": ["test_withdrawal_deletes_data_and_later_requests_report_it"],
     "form without the token of our page, or of another participant": [
-        "test_nothing_is_taken_without_the_token_of_our_own_page",
+        "test_posts_without_the_form_token_are_refused",
         "test_the_form_of_one_participant_cannot_be_sent_as_another",
     ],
     "no JavaScript, or script not loaded": [
-        "test_without_javascript_a_page_says_what_it_needs",
+        "test_pages_without_javascript_explain_the_requirement",
         "test_without_one_of_its_scripts_a_page_with_a_video_says_that_it_needs_them",
     ],
     "tab in the background": ["test_a_hidden_tab_pauses_the_video_and_its_share_is_reported"],
-    "the server's clock put back": ["test_clock_that_is_put_back_between_two_runs_gives_no_negative_time"],
+    "the server's clock put back": ["test_clock_set_back_between_runs_gives_no_negative_time"],
     "another member of a panel at the same browser": [
         "test_a_second_member_of_a_panel_at_the_same_computer_is_another_participant"
     ],
