@@ -1,4 +1,4 @@
-"""The table "What happens when" of docs/survey.md: every line has tests, and every test in the list exists."""
+"""The table "Special situations" of docs/survey.md: every line has tests, and every test in the list exists."""
 
 import re
 from pathlib import Path
@@ -16,7 +16,7 @@ TESTS = {
         "test_back_button_shows_the_stored_state",
         "test_back_button_shows_the_answers_that_the_server_has",
     ],
-    "page too far ahead, by its address": ["test_a_page_ahead_leads_to_the_current_one"],
+    "address of a later page": ["test_a_page_ahead_leads_to_the_current_one"],
     "answer before the video was watched": ["test_unwatched_video_cannot_be_answered_by_a_direct_post"],
     "answer or slider missing, number out of range": [
         "test_missing_required_answer_is_requested_and_other_answers_are_kept",
@@ -49,7 +49,7 @@ TESTS = {
     "expired or deleted cookie": ["test_expired_cookie_requires_the_code_to_resume"],
     "unknown code": ["test_an_unknown_code_is_reported_and_deletes_nothing"],
     "code of a participant who has withdrawn": ["test_withdrawal_deletes_data_and_later_requests_report_it"],
-    "form without the token of our page, or of another participant": [
+    "form without a valid token, or with that of another participant": [
         "test_posts_without_the_form_token_are_refused",
         "test_the_form_of_one_participant_cannot_be_sent_as_another",
     ],
@@ -67,7 +67,7 @@ TESTS = {
 
 
 def test_every_line_of_the_table_has_a_test() -> None:
-    section = PAGE.read_text(encoding="utf-8").partition("## What happens when\n")[2].partition("\n## ")[0]
+    section = PAGE.read_text(encoding="utf-8").partition("## Special situations\n")[2].partition("\n## ")[0]
     lines = [line.split("|")[1].strip() for line in section.strip().splitlines()[2:]]
     assert lines == list(TESTS)
     source = "".join(path.read_text(encoding="utf-8") for path in HERE.glob("test_*.py") if path != Path(__file__))
