@@ -145,7 +145,9 @@ def _map(
     if raw is not None and set(raw.participants.index) <= set(known.file_names.values()):
         named = {"participant": known.mapping.participant or EACH_FILE} | named
     text = map_text(named, _videos(known, columns), _groups(table, known, raw), unknown)
-    return f"# To decide: {' '.join(problem.split())}\n{text}" if problem else text
+    labels = "the label of each text under answers; a text without one is a missing answer" if unknown else ""
+    decision = " ".join(problem.split()) or labels
+    return f"# To decide: {decision}\n{text}" if decision else text
 
 
 def _named(columns: Sequence[ColumnDescription], known: Known) -> dict[str, str]:

@@ -541,3 +541,12 @@ def test_described_columns_of_a_readable_export(tmp_path) -> None:
     (tmp_path / "map.yaml").write_text(found.map_yaml)
     again = read_responses(tmp_path / "own.csv", tmp_path / "key.csv", tmp_path / "map.yaml")
     assert again.counts().tolist() == COUNTS
+
+
+def test_a_proposed_map_names_the_labels_that_are_left_to_decide(tmp_path) -> None:
+    (tmp_path / "x.csv").write_text("participant,video,response\n1,fear,2\n2,fear,1\n")
+    offered = describe_columns(tmp_path / "x.csv").map_yaml
+    assert offered.startswith("# To decide: the label of each text under answers; a text without one is a missing answ")
+    (tmp_path / "map.yaml").write_text(offered.replace("'1':", "'1': fear").replace("'2':", "'2': anger"))
+    found = read_responses(tmp_path / "x.csv", mapping=tmp_path / "map.yaml")
+    assert found.answers["perceived"].tolist() == ["anger", "fear"]

@@ -261,7 +261,12 @@ def read_wide(table: Table, known: Known, *ids: str, marks: Marks = NO_MARKS, sk
     tools = {place for place, name in enumerate(table.names) if plain(name) in {plain(title) for title in skip}}
     videos = video_columns(table, known, [people.place, *tools])
     if not videos:
-        raise SourceError(table.file, no_videos(table, known) or "no column holds answers; expected some", 1)
+        raise SourceError(
+            table.file,
+            no_videos(table, known)
+            or "no column names a video; expected map.yaml: videos: the code of each column of answers",
+            1,
+        )
     _check_not_truth(table, known, videos)
     used = {*tools, *about_videos(table, known)}
     roles = {place: f"{ANSWER_TO}{code}" for place, code in videos.items()} | {people.place: "participant"}
