@@ -222,6 +222,19 @@ def near(rng: Random) -> float:
     return rejects(near_neighbors(margins_only(rng), EMOTIONS, int(rng.integers(1_000_000))).p)
 
 
+def replicated_moods(rng: Random) -> float:
+    """Return whether the whole matrices of two studies differ, whose participants each prefer a label."""
+    both = [np.stack(showings(guesses(rng, 30, alike=0.8)).by_emotion(), axis=2) for _ in range(2)]
+    people = both[0], both[1]
+    return rejects(compare(both[0].sum(axis=0), both[1].sum(axis=0), people=people).p_monte_carlo)
+
+
+def informative(rng: Random) -> float:
+    """Return whether the interval of mutual information excludes 0 when everybody guesses."""
+    found = showings(guesses(rng, 30))
+    return float(information(found.counts(), resampled_counts(found, int(rng.integers(1_000_000)))).ci_low > 0)
+
+
 SIZES = (
     ("Recognition, exact binomial", "guessing, 45 participants", 1000, lambda r: binomial(guesses(r))),
     ("Recognition, exact permutation", ALIKE, 500, lambda r: binomial(guesses(r, videos=18, alike=0.4), 3)),
@@ -246,15 +259,19 @@ SIZES = (
 COVERAGES = (
     ("Interval of a rate, Wilson", "45 participants, Table III", 1000, lambda r: rates_covered(r, 1, 0.0)),
     ("Interval of a rate, effective n", f"3 videos an emotion, {ABLE}", 500, lambda r: rates_covered(r, 3, 1.0)),
-    ("Interval of accuracy", f"Table III, {ABLE}", 1000, lambda r: accuracy_covered(r, 1.0)),
+    ("Interval of accuracy", f"Table III, {ABLE}", 3000, lambda r: accuracy_covered(r, 1.0)),
     ("Interval of a difference, Newcombe", "60 % of 13, 50 % of 32", 2000, newcombe_covered),
     ("Interval of the unbiased hit rate", "Table III", 300, lambda r: bootstrap_covered(r, "hu", 0.0)),
     ("Interval of the unbiased hit rate", f"Table III, {ABLE}", 300, lambda r: bootstrap_covered(r, "hu", 1.0)),
     ("Interval of mutual information", "Table III", 200, lambda r: bootstrap_covered(r, "bits", 0.0)),
 )
+MORE_SIZES = (
+    ("Replication, whole matrix", "guessing, 80 % of answers a favorite: participants shuffled", 200, replicated_moods),
+    ("Mutual information above 0", "guessing, 30 participants", 100, informative),
+)
 CASES = [
     Case(name, situation, nominal, runs, found)
-    for nominal, group in ((0.05, SIZES), (0.95, COVERAGES))
+    for nominal, group in ((0.05, SIZES), (0.95, COVERAGES), (0.05, MORE_SIZES))
     for name, situation, runs, found in group
 ]
 

@@ -16,6 +16,7 @@ from emovid.errors import InputError
 from emovid.report import apa
 from emovid.report.results_json import as_json
 from emovid.responses.describe_columns import describe_columns
+from emovid.responses.quality import rules_from
 from emovid.responses.read import MOST_REJECTED, grouped
 from emovid.responses.responses import Responses
 from emovid.statistics.compare import VideoCompared
@@ -75,6 +76,16 @@ def analyze(
     ),
     margin: Margin = None,
     include_pilots: Annotated[bool, typer.Option("--include-pilots", help="Count the answers of pilot runs.")] = False,
+    rules: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--exclude",
+            metavar="RULE",
+            help="A rule of exclusion fixed beforehand: straightliners, failed_checks, min_response_ms=300, "
+            "min_watched=0.9, max_dropped=0.1 or max_stalled_ms=1000.",
+            show_default=False,
+        ),
+    ] = None,
     max_rejected: Annotated[
         float, typer.Option(min=0, max=1, help="Largest share of rows or participants that may be unusable.")
     ] = MOST_REJECTED,
@@ -90,10 +101,11 @@ def analyze(
         raise InputError("expected exports to analyze, or --counts and a confusion matrix")
     output_folder(output)
     if counts:
-        refuse_with("--counts", {"--key": key, "--map": mapping, "--by": by, "--labels": labels, "--margin": margin})
+        others = {"--key": key, "--map": mapping, "--by": by, "--labels": labels, "--margin": margin}
+        refuse_with("--counts", others | {"--exclude": rules})
         analysis = analyze_matrix(counts, seed)
     else:
-        how = (seed, _share(margin), include_pilots, max_rejected)
+        how = (seed, _share(margin), include_pilots, max_rejected, rules_from(rules or []))
         analysis = analyze_exports(sources or [], key, mapping, _labels(labels), by or [], *how)
     text = write_analysis(analysis, output)
     if as_json:
@@ -121,7 +133,7 @@ def _show(analysis: Analysis, output: Path) -> None:
     for label, row in zip(results.labels, results.percent, strict=True):
         matrix.add_row(label, *("" if isnan(share) else f"{share:.2f}" for share in row))
     tests = Table(
-        "emotion", "n", "chi2", "p", "exact p", "w", "hits", "CI %", "Holm p", "majority", box=box.SIMPLE, padding=0
+        "emotion", "n", "chi2", "p", "exact p", "w", "hits", "CI %", "Holm p", "majority, p", box=box.SIMPLE, padding=0
     )
     for name, fit in results.goodness_of_fit.items():
         tests.add_row(name, *_test_cells(fit, results.recognition[name]))
@@ -168,7 +180,7 @@ def _test_cells(fit: Goodness, found: Recognition) -> list[str]:
         str(found.hits),
         f"{100 * found.ci_low:.0f}-{100 * found.ci_high:.0f}",
         p(found.p_holm),
-        found.verdict.removesuffix(" majority"),
+        found.verdict.removesuffix(" majority") + (f" {p(found.p_verdict)}" if found.verdict != "neither" else ""),
     ]
 
 
@@ -204,7 +216,7 @@ def compare(
     """Compare a replication with the original study.
 
     Prints the difference of each recognition rate with its confidence interval and test, and a test of the whole
-    matrix.
+    matrix. Folders of two analyses let it shuffle participants; a matrix does not say who gave which answers.
 
     Examples: emovid study compare original/results.json results/results.json · emovid study compare a/ b/ --margin 15
     """
@@ -217,11 +229,12 @@ def compare(
         typer.echo(
             f"{name:<11}{video.hits[0]}/{video.n[0]} and {video.hits[1]}/{video.n[1]}".ljust(30) + _compared(video)
         )
-    typer.echo(f"whole matrix: {apa.compared(found)}, if answers are independent of each other")
-    for study in dict.fromkeys((original, replication)):
+    typer.echo(f"whole matrix: {apa.compared(found)}")
+    for study in dict.fromkeys((original, replication) if found.shuffled == "answers" else ()):
         if gives_several_answers(study):
             typer.echo(
-                f"{study}: participants gave several answers to an emotion, so p values and intervals are too small"
+                f"{study}: participants gave several answers to an emotion, which count as independent here, so p "
+                "values and intervals are too small; expected the folders of both analyses, with responses_tidy.csv"
             )
 
 

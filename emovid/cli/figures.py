@@ -27,6 +27,22 @@ def _names(incomplete: str) -> list[str]:
     )
 
 
+Times = Annotated[
+    str | None,
+    typer.Option("--times", help="Times of frames or a contact sheet in seconds, as in 0,2,8.", show_default=False),
+]
+Count = Annotated[
+    int | None,
+    typer.Option(
+        "--count",
+        metavar="INTEGER",
+        help="Number of times, evenly from start to end.",
+        show_default=False,
+        parser=whole("--count", 1, MOST),
+    ),
+]
+
+
 def figures(
     names: Annotated[
         list[str] | None,
@@ -56,20 +72,8 @@ def figures(
         Path | None,
         typer.Option("--study", help="Results of emovid study analyze.", show_default="the reference study"),
     ] = None,
-    times: Annotated[
-        str | None,
-        typer.Option("--times", help="Times of frames or a contact sheet in seconds, as in 0,2,8.", show_default=False),
-    ] = None,
-    count: Annotated[
-        int | None,
-        typer.Option(
-            "--count",
-            metavar="INTEGER",
-            help="Number of times, evenly from start to end.",
-            show_default=False,
-            parser=whole("--count", 1, MOST),
-        ),
-    ] = None,
+    times: Times = None,
+    count: Count = None,
     pairs: Set = None,
     view: View = None,
     seed: Seed = None,

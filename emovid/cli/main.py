@@ -84,7 +84,7 @@ GROUPS = {
                 "Print the JSON Schema of study.yaml, of map.yaml or of results.json.",
                 "Analyze",
             ),
-            Entry("model", "study_model:model", "Compare groups in a mixed logistic model.", "Analyze"),
+            Entry("model", "study_model:model", "Compare groups and conditions in a mixed logistic model.", "Analyze"),
             Entry("compare", "analysis:compare", "Compare a replication with the original study.", "Analyze"),
         ),
     ),

@@ -13,6 +13,7 @@ from emovid.figures.style import (
     FAINT,
     INK,
     POINTS,
+    QUIET,
     SINGLE_COLUMN,
     TEXT,
     heading,
@@ -43,10 +44,13 @@ def accuracy_figure(
     emotions: Sequence[str],
     levels: Sequence[str],
     chance: float,
+    answers: NDArray[np.int64] | None = None,
     *,
     width: float = SINGLE_COLUMN,
 ) -> Figure:
     """Draw the share of right answers as bars, one for each level of a group beside the next, with intervals.
+
+    The number of answers stands below each bar.
 
     Args:
         rates: (levels, emotions) share of right answers, 0 to 1; nan where nobody answered: no bar, no interval.
@@ -55,6 +59,7 @@ def accuracy_figure(
         emotions: labels of the videos.
         levels: what the legend calls the levels, such as "female (n = 13)".
         chance: share of right answers by guessing, drawn as a line.
+        answers: (levels, emotions) number of answers; None: no numbers.
         width: of the figure [in]; two columns if its bars do not fit into that.
     """
     shape = (len(levels), len(emotions))
@@ -66,7 +71,9 @@ def accuracy_figure(
     axes = figure.add_subplot()
     _draw_bars(axes, levels, *(100 * np.asarray(table) for table in (rates, low, high)))
     axes.axhline(100 * chance, color=INK, linewidth=0.9, linestyle=(0, (4, 2)), label="chance")
-    below = _draw_axes(axes, [heading(emotion) for emotion in emotions], (width * POINTS - _BESIDE) / len(emotions))
+    place = (width * POINTS - _BESIDE) / len(emotions)
+    numbers = 0.0 if answers is None else _draw_numbers(axes, np.asarray(answers), place * _BARS / len(levels))
+    below = numbers + _draw_axes(axes, [heading(emotion) for emotion in emotions], place, numbers)
     above = _draw_legend(figure, axes, width * POINTS)
     figure.set_figheight(_HEIGHT + max(below - _SHORT, 0) / POINTS + max(above - 2, 0) * _LINE / POINTS)
     return settle(figure)
@@ -86,7 +93,22 @@ def _draw_bars(axes: Axes, levels: Sequence[str], rates: Rates, low: Rates, high
         axes.vlines(*ends, color=INK, linewidth=0.9)
 
 
-def _draw_axes(axes: Axes, emotions: list[str], place: float) -> float:
+def _draw_numbers(axes: Axes, answers: NDArray[np.int64], bar: float) -> float:
+    """Draw the number of answers below each bar, upright if wider than the bar [pt]; return their height [pt]."""
+    texts = [str(n) for n in answers.ravel().tolist()]
+    widest = text_width(texts)
+    upright = widest > bar - 1
+    where: Any = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "ha": "center", "va": "top"}
+    for (level, emotion), n in np.ndenumerate(answers):
+        x = emotion + (level - (len(answers) - 1) / 2) * _BARS / len(answers)
+        axes.annotate(str(n), (x, 0), (0, -2), rotation=90 if upright else 0, color=QUIET, **where)
+    axes.annotate(
+        "n", (0, 0), (-4, -2), xycoords="axes fraction", textcoords="offset points", ha="right", va="top", color=QUIET
+    )
+    return (widest if upright else TEXT) + 4
+
+
+def _draw_axes(axes: Axes, emotions: list[str], place: float, numbers: float) -> float:
     """Draw the axes and return how far down names reach [pt]: slanted or upright if wider than their place [pt]."""
     widest = text_width(emotions)
     turn = 0 if widest <= place - 3 else _SLANT if widest * np.cos(np.radians(_SLANT)) <= _BESIDE + place else 90
@@ -98,7 +120,7 @@ def _draw_axes(axes: Axes, emotions: list[str], place: float) -> float:
     axes.set_ylim(0, 100)
     axes.set_yticks(range(0, 101, 20))
     axes.set_ylabel("Accuracy (%)")
-    axes.tick_params(axis="x", length=0)
+    axes.tick_params(axis="x", length=0, pad=3.5 + numbers)
     axes.grid(axis="y", color=FAINT, linewidth=0.4)
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)

@@ -1,4 +1,4 @@
-"""The figures of a study: confusion matrix, circumplex, and accuracy by group."""
+"""The figures of a study: flow of participants, confusion matrix, circumplex, and accuracy by group."""
 
 import re
 from collections.abc import Collection, Mapping, Sequence
@@ -13,11 +13,13 @@ from emovid.errors import InputError
 from emovid.figures.accuracy import Rates, accuracy_figure
 from emovid.figures.circumplex import POSITIONS, circumplex_figure
 from emovid.figures.confusion import confusion_figure
-from emovid.statistics.results import StudyResults
+from emovid.figures.participant_flow import flow_figure
+from emovid.statistics.results import Flow, StudyResults
 
 _LONGEST_NAME = 60  # letters; file systems take 255 bytes
 
 Answers = tuple[NDArray[np.int64], Sequence[str], Sequence[str]]
+Recognition = tuple[Rates, Rates, Rates, Sequence[str], Sequence[str], float, NDArray[np.int64]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,10 +29,12 @@ class LevelAccuracy:
     Attributes:
         n_participants: of the level.
         rates: (emotions, 3) share of right answers and the ends of its interval; NaN where nobody answered.
+        answers: (emotions,) number of answers.
     """
 
     n_participants: int
     rates: Rates
+    answers: NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,12 +46,14 @@ class FigureData:
         emotions: signaled labels.
         labels: answers on offer, the emotions first.
         groups: levels of each group.
+        flow: of participants; None where they are not known.
     """
 
     counts: NDArray[np.int64]
     emotions: tuple[str, ...]
     labels: tuple[str, ...]
     groups: Mapping[str, Mapping[str, LevelAccuracy]]
+    flow: Flow | None = None
 
 
 def figure_data(results: StudyResults) -> FigureData:
@@ -57,18 +63,22 @@ def figure_data(results: StudyResults) -> FigureData:
             level: LevelAccuracy(
                 block.n_participants or 0,
                 np.array([[test.rate, test.ci_low, test.ci_high] for test in block.recognition.values()]),
+                np.array([test.n for test in block.recognition.values()]),
             )
             for level, block in levels.items()
         }
         for column, levels in results.groups.items()
     }
-    return FigureData(results.counts, results.emotions, results.labels, groups)
+    return FigureData(results.counts, results.emotions, results.labels, groups, results.flow)
 
 
 def study_figures(data: FigureData) -> dict[str, tuple[str, Figure]]:
     """Return all figures that the results allow, by file name, each with its caption."""
-    answers = answers_of(data)
-    made = {"confusion-matrix": (_caption(data), confusion_figure(*answers))}
+    answers, made = answers_of(data), {}
+    if data.flow is not None:
+        caption = "Participants and answers from the exports to the analysis."
+        made["participant-flow"] = (caption, flow_figure(data.flow, int(data.counts.sum())))
+    made["confusion-matrix"] = (_caption(data), confusion_figure(*answers))
     if set(data.emotions) <= set(POSITIONS):
         caption = (
             "Answers on the circumplex of valence and arousal: at each signaled emotion (cross), a bubble for each "
@@ -78,15 +88,20 @@ def study_figures(data: FigureData) -> dict[str, tuple[str, Figure]]:
     for column, levels in data.groups.items():
         if levels:
             name = column.replace("_", " ")
-            caption = f"Share of right answers by {name}, with 95% Wilson intervals; the dashed line is guessing."
+            caption = (
+                f"Share of right answers by {name}, with 95% Wilson intervals; numbers below the bars are answers, the "
+                "dashed line is guessing."
+            )
             made[_file_name(column, made)] = (caption, accuracy_figure(*recognition_of(data, column)))
     return made
 
 
 def _caption(data: FigureData) -> str:
+    n = [str(total) for total in data.counts.sum(axis=0).tolist()]
+    each = f"n = {n[0]} each" if len(set(n)) == 1 else f"n = {', '.join(n)}"
     return (
-        f"Confusion matrix of {data.counts.sum()} answers: percent of the answers to each signaled emotion (columns), "
-        "and counts in brackets. Right answers are bold."
+        f"Confusion matrix of {data.counts.sum()} answers: percent of the answers to each signaled emotion (columns, "
+        f"{each}), and counts in brackets. Right answers are bold."
     )
 
 
@@ -115,8 +130,8 @@ def placed_answers_of(data: FigureData) -> Answers:
     return answers_of(data)
 
 
-def recognition_of(data: FigureData, column: str) -> tuple[Rates, Rates, Rates, Sequence[str], Sequence[str], float]:
-    """Return the arguments of `accuracy_figure`: the recognition rates of each level of a group.
+def recognition_of(data: FigureData, column: str) -> Recognition:
+    """Return what `accuracy_figure` takes: how many of each level of a group recognized each emotion.
 
     Raises:
         InputError: if the study has no such group.
@@ -126,7 +141,8 @@ def recognition_of(data: FigureData, column: str) -> tuple[Rates, Rates, Rates, 
         raise InputError(f"the study has no group {column}; its groups: {', '.join(data.groups) or 'none'}")
     rates, low, high = np.moveaxis(np.array([level.rates for level in levels.values()]), -1, 0)
     names = [f"{_level_name(column, level)} (n = {found.n_participants})" for level, found in levels.items()]
-    return rates, low, high, data.emotions, names, 1 / len(data.labels)
+    answers = np.array([level.answers for level in levels.values()])
+    return rates, low, high, data.emotions, names, 1 / len(data.labels), answers
 
 
 def _level_name(column: str, level: str) -> str:

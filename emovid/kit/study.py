@@ -216,6 +216,15 @@ class Counting(Keys):
     max_dropped: Annotated[float, Field(ge=0, le=1)] | None = Field(
         None, description="leave out an answer to a video of which a larger share of frames was dropped; null: count it"
     )
+    min_watched: Annotated[float, Field(ge=0, le=1)] | None = Field(
+        None, description="leave out an answer to a video of which a smaller share was watched; null: count it"
+    )
+    min_response_ms: Annotated[int, Field(ge=0)] | None = Field(
+        None, description="leave out a participant whose median time to answer is shorter [ms]; null: count everybody"
+    )
+    straightliners: bool = Field(
+        True, description="count participants who gave one label to all of three or more videos"
+    )
 
 
 class QuestionTranslation(Keys):

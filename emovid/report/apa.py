@@ -66,22 +66,27 @@ def proportion(hits: int, n: int, low: float, high: float) -> str:
 
 @sentence.register
 def goodness(test: Goodness) -> str:
-    """Return Pearson's goodness of fit."""
-    return f"{_chi_squared(test.statistic, test.dof, test.n)}, {p_value(test.p)}, w = {number(test.cohens_w)}"
+    """Return Pearson's goodness of fit, or the permutation statistic of participants who gave several answers."""
+    return _goodness(test, p_value(test.p))
 
 
 def goodness_exact(test: Goodness) -> str:
     """Return the exact or Monte Carlo p of the same statistic."""
-    return f"{_chi_squared(test.statistic, test.dof, test.n)}, {exact_p(test)}, w = {number(test.cohens_w)}"
+    return _goodness(test, exact_p(test))
+
+
+def _goodness(test: Goodness, p: str) -> str:
+    if test.participants is None:
+        return f"{_CHI2}({test.dof}, N = {test.n}) = {number(test.statistic)}, {p}, w = {number(test.cohens_w)}"
+    if isnan(test.statistic):
+        return f"no test: {test.n} answers of {test.participants} participants"
+    answers = f"{test.participants} participants, {test.n} answers"
+    return f"T({test.dof}; {answers}) = {number(test.statistic)}, {p}"
 
 
 def exact_p(test: Goodness) -> str:
     """Return the exact or Monte Carlo p alone."""
     return p_value(test.p_exact, draws=test.draws) if test.draws else p_value(test.p_exact, "exact p")
-
-
-def _chi_squared(statistic: float, dof: int, n: int) -> str:
-    return f"{_CHI2}({dof}, N = {n}) = {number(statistic)}"
 
 
 @sentence.register
@@ -103,7 +108,8 @@ def overall(test: Accuracy) -> str:
 def information(test: Information) -> str:
     """Return the mutual information in bits."""
     interval = "" if isnan(test.ci_low) else f", 95% CI [{number(test.ci_low)}, {number(test.ci_high)}]"
-    return f"{number(test.bits)} of {number(test.most)} bits{interval}"
+    unbiased = "" if isnan(test.corrected) else f" ({number(test.corrected)} less the bias of small samples)"
+    return f"{number(test.bits)} of {number(test.most)} bits{unbiased}{interval}"
 
 
 @sentence.register
@@ -125,13 +131,15 @@ def fleiss_kappa(test: Agreement) -> str:
 def label_use(test: LabelUse) -> str:
     """Return the test of preferred labels among errors."""
     if isnan(test.p):
-        return f"undefined: {test.participants} participants with errors"
-    return f"F({test.dof[0]}, {test.dof[1]}) = {number(test.statistic)}, {p_value(test.p)}"
+        return f"no test: {test.participants} participants with errors, {len(test.totals)} labels"
+    return f"{_CHI2}({test.dof}, n = {test.participants}) = {number(test.statistic)}, {p_value(test.p)}"
 
 
 @sentence.register
 def total_recognition(test: TotalRecognition) -> str:
     """Return all hits against those of shuffled answers."""
+    if isnan(test.p):
+        return f"{test.hits}/{test.n} right, no test: shuffling changes nothing"
     name = "one-sided exact p" if test.method == "exact" else "one-sided p"
     return f"{test.hits}/{test.n} right, {number(test.expected)} expected, {p_value(test.p, name)}"
 
@@ -139,6 +147,8 @@ def total_recognition(test: TotalRecognition) -> str:
 @sentence.register
 def order_effect(test: Order) -> str:
     """Return the change of the hit rate per position, in percentage points."""
+    if isnan(test.p):
+        return "no test: all participants had one order, or all or none of the answers hit"
     return f"{number(100 * test.slope)} points per position, {p_value(test.p, draws=test.draws)}"
 
 
@@ -147,6 +157,8 @@ def scores_differ(test: ScoresDiffer) -> str:
     """Return the groups' mean scores in percent and the permutation test."""
     means = ", ".join(f"{name} {100 * mean:.1f}%" for name, mean in zip(test.levels, test.means, strict=True))
     p = p_value(test.p, draws=test.draws) if test.draws else p_value(test.p, "exact p")
+    if isnan(test.p):
+        return f"{means}: no test, since no shuffle of participants changes anything"
     kind = "studentized permutation test" if test.studentized else "permutation test"
     return f"{means}: {kind}, {p}, {p_value(test.p_holm, 'Holm p')}"
 
@@ -168,9 +180,9 @@ def difference(pair: Pair) -> str:
 
 
 def equivalence(pair: Pair) -> str:
-    """Return whether a pair is equivalent within the margin set beforehand."""
+    """Return whether a pair is equivalent within the margin set beforehand; without one, what is not ruled out."""
     if pair.equivalent is None:
-        return f"equivalence not shown below {number(100 * pair.bound, 1)} points"
+        return f"compatible with differences up to {number(100 * pair.bound, 1)} points (90% CI)"
     shown = "equivalent" if pair.equivalent else "equivalence not shown"
     return f"{shown} within \N{PLUS-MINUS SIGN}{number(100 * pair.margin, 1)} points"
 
@@ -193,10 +205,17 @@ def near_neighbors(test: NearNeighbors) -> str:
     said = f"mean distance {distance}\N{DEGREE SIGN}, {expected}\N{DEGREE SIGN} expected"
     if isnan(test.p):
         return f"{said}, cannot be tested: the margins fix the distance"
-    return f"{said}, {p_value(test.p, 'one-sided p')}" + (f" (B = {test.draws:,})" if test.draws else "")
+    return f"{said}, {p_value(test.p, 'one-sided p')}" + _draws(test.draws)
+
+
+def _draws(draws: int) -> str:
+    return f" (B = {draws:,})" if draws else ""
 
 
 @sentence.register
 def compared(test: Compared) -> str:
     """Return the whole-matrix test of a replication."""
-    return f"{_CHI2}({test.dof}) = {number(test.statistic)}, {p_value(test.p_monte_carlo, draws=test.draws)}"
+    how = "participants shuffled over the studies"
+    if test.shuffled == "answers":
+        how = "answers shuffled over the studies, as if all were independent, since participants are not known"
+    return f"{_CHI2}({test.dof}) = {number(test.statistic)}, {p_value(test.p_monte_carlo, draws=test.draws)}, {how}"

@@ -13,6 +13,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from emovid.report import apa
 from emovid.responses.responses import Responses
+from emovid.statistics.analyze import beyond_popularity
 from emovid.statistics.groups import Pair
 from emovid.statistics.recognition import AgainstChance, Recognition
 from emovid.statistics.results import AnswerResults, GroupDifferences, StudyResults
@@ -64,6 +65,7 @@ def report_html(
             flow=results.flow,
             origin=results.flow.origin if results.flow else "",
             asked=_asked(results),
+            rules=_rules(results),
             people=list(_people(responses)) if responses is not None else [],
             h1=_h1(results),
             chance=apa.number(100 / len(results.labels), 1),
@@ -98,6 +100,7 @@ def _environment() -> Environment:
         "number": apa.number,
         "bayes": lambda value: apa.bayes_factor(value, "").strip().removeprefix("= "),
         "rate": _rate,
+        "rate_of": _rate_of,
         "hu": _hu,
         "credible": _credible,
         "points": _points,
@@ -114,6 +117,12 @@ def _asked(results: StudyResults) -> str:
     return f"{results.n_participants} participants gave {results.n_responses} answers to {videos} of {of}, {choices}."
 
 
+def _rules(results: StudyResults) -> str:
+    if results.flow is None or not results.flow.rules:
+        return "No rule of exclusion was given to the analysis."
+    return f"Rules of exclusion: {', '.join(results.flow.rules)}."
+
+
 def _people(responses: Responses) -> Iterator[tuple[str, str, str, str]]:
     total = len(responses.participants)
     for column in responses.participants.columns:
@@ -125,13 +134,17 @@ def _h1(results: StudyResults) -> dict[str, Any]:
     tested = [test for test in results.recognition.values() if test.n]
     above = sum(test.above_chance for test in tested)
     holds = "is supported" if above == len(tested) else "is supported in part" if above else "is not supported"
-    return {"above": above, "tested": len(tested), "holds": holds}
+    return {"above": above, "tested": len(tested), "holds": holds, "popular": beyond_popularity(results, False)}
 
 
 def _rate(test: AgainstChance) -> str:
     if not test.n:
         return "\N{EN DASH}"
     return f"{100 * test.rate:.1f} [{100 * test.ci_low:.1f}, {100 * test.ci_high:.1f}]"
+
+
+def _rate_of(test: AgainstChance) -> str:
+    return f"{test.hits}/{test.n}: {_rate(test)}" if test.n else "\N{EN DASH}"
 
 
 def _hu(found: Recognition) -> str:
@@ -146,7 +159,9 @@ def _credible(found: Recognition) -> str:
     return f"[{100 * found.bayes_low:.1f}, {100 * found.bayes_high:.1f}]"
 
 
-def _points(pair: Pair) -> str:
+def _points(pair: Pair, named: bool = False) -> str:
+    if named:
+        return f"{pair.levels[0]} \N{MINUS SIGN} {pair.levels[1]}: {_points(pair)}"
     if isnan(pair.difference):
         return "\N{EN DASH}"
     low, high, points = (apa.number(100 * value, 1) for value in (pair.ci_low, pair.ci_high, pair.difference))
@@ -203,6 +218,18 @@ def _group(
     )
 
 
+def _goodness_method(results: StudyResults, several: bool) -> str:
+    if several:
+        return (
+            "Goodness of fit to equal shares was tested by permuting each participant's answers over the labels "
+            "(quadratic statistic, 9,999 Monte Carlo draws)."
+        )
+    drawn = any(fit.draws for fit in results.goodness_of_fit.values())
+    return "Goodness of fit to equal shares was tested by Pearson's chi-squared with an exact p value" + (
+        " or 9,999 Monte Carlo draws." if drawn else "."
+    )
+
+
 def methods_text(results: StudyResults) -> str:
     """Return a paragraph on the methods, to paste into a paper."""
     seed = results.provenance.seed if results.provenance else 0
@@ -214,10 +241,13 @@ def methods_text(results: StudyResults) -> str:
         f"(1/{len(results.labels)}) by a one-sided exact "
         + ("permutation test that keeps each participant's answers together" if several else "binomial test")
         + f", with Holm's (1979) correction over {_h1(results)['tested']} emotions at an alpha of .05.",
-        "Rates have Wilson's (1927) two-sided 95% intervals, which are not corrected for multiple comparisons.",
-        "Goodness of fit to equal shares was tested by Pearson's chi-squared with an exact p value"
-        + (" or 9,999 Monte Carlo draws." if any(fit.draws for fit in results.goodness_of_fit.values()) else "."),
+        "Rates have Wilson's (1927) two-sided 95% intervals"
+        + (", with the effective number of answers (Korn & Graubard, 1998)" if several else "")
+        + ", which are not corrected for multiple comparisons.",
+        _goodness_method(results, several),
     ]
+    if results.flow is not None and results.flow.rules:
+        parts.append(f"Rules of exclusion were set beforehand ({', '.join(results.flow.rules)}).")
     if results.dependence is not None:
         parts.append(
             "Unbiased hit rates (Wagner, 1993) and mutual information have 95% intervals from "

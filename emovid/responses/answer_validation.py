@@ -12,6 +12,7 @@ from emovid.errors import SourceError
 from emovid.responses.labels import NONE, Labels, plain
 from emovid.responses.mapping import EACH_FILE
 from emovid.responses.parsed_export import Known
+from emovid.responses.quality import MEASURED
 from emovid.responses.responses import EMOTIONS, Synonym
 
 _ABOUT_VIDEOS = ("no video", "unknown video")
@@ -28,7 +29,7 @@ class ValidAnswers:
     """Answers after validation.
 
     Attributes:
-        frame: answers that count: those of `COLUMNS`, `file` and `line`.
+        frame: answers that count: `COLUMNS`, `file`, `line`, and the columns of `answers` that tell about quality.
         rejected: answers that do not, in the order of the rows.
         synonyms: texts that count as a label that they do not spell.
         unusable: participants with answers of which none can be used, for another reason than a missing answer.
@@ -74,6 +75,9 @@ def valid_answers(answers: pd.DataFrame, known: Known, files: Sequence[str]) -> 
     frame = frame.astype({"participant": "str", "position": "Int64"})
     for name, words in (("video", codes), ("signalled", emotions), ("perceived", labels)):
         frame[name] = _column(words[kept])
+    for name in MEASURED:
+        if name in answers:
+            frame[name] = answers[name][kept].to_numpy()
     synonyms = _synonyms(answers["answer"][kept], frame["perceived"], known.labels)
     faulty = set(answers["participant"][(reasons != "") & (reasons != NO_ANSWER)].unique()) - {""}
     unusable = frozenset(map(str, faulty - set(frame["participant"].unique())))

@@ -44,6 +44,23 @@ def read_key(path: Path, labels: Labels) -> dict[str, str]:
     return key
 
 
+def read_factors(path: Path, names: Collection[str]) -> dict[str, dict[str, str]]:
+    """Return the level of each code, for columns of a key with more than two, such as the stimuli.csv of a kit.
+
+    Raises:
+        SourceError: for a column that the file does not have.
+    """
+    table = read_table(read_bytes(path), str(path))
+    codes = [code_of(written) for written in _column(table, _CODE)]
+    found = {}
+    for name in names:
+        if name not in table.names:
+            hint = nearest(name, table.names)
+            raise SourceError(str(path), f"no column {quoted(name)}{hint}; expected one of {', '.join(table.names)}", 1)
+        found[name] = dict(zip(codes, map(str, table.cells[table.names.index(name)]), strict=True))
+    return found
+
+
 def code_of(text: str) -> str:
     """Return the code in the name of a video as tools write it: `["videos/Z8r4.mp4"]` is z8r4."""
     bare = text.strip().strip("[]").strip().strip("\"'")

@@ -18,6 +18,7 @@ from emovid.responses.key import read_key
 from emovid.responses.labels import NONE, Labels, plain
 from emovid.responses.mapping import ExportMap, read_mapping, unknown_column
 from emovid.responses.parsed_export import Known, ParsedExport, no_answers
+from emovid.responses.quality import MEASURED
 from emovid.responses.responses import EMOTIONS, Responses, Source
 
 _WITH_SURVEYS = ("jsPsych", "psiTurk", "reVISit")  # groups are within cells, and not names of columns
@@ -186,6 +187,7 @@ def _responses(files: Sequence[_File], known: Known, skipped: Sequence[Rejected]
         signalled=signalled,
         labels=labels,
         answers=valid.frame[COLUMNS],
+        quality=valid.frame[[name for name in MEASURED if name in valid.frame]],
         places=pd.DataFrame({"file": valid.frame["file"].map(dict(enumerate(names))), "line": valid.frame["line"]}),
         participants=participants,
         sources=tuple(_sources(files, valid, names, notes)),

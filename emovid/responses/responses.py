@@ -85,6 +85,8 @@ class Responses:
         simulated: whether model participants gave any of the answers.
         warnings: sentences that every reader of the results must see.
         places: file and line of each answer, if the answers come from files.
+        quality: numbers beside each answer, such as watched_share and response_ms, as far as the files have them.
+        rules: rules of exclusion that were applied, as on the command line (`quality.ExclusionRules`).
     """
 
     signalled: tuple[str, ...]
@@ -100,6 +102,8 @@ class Responses:
     simulated: bool = False
     warnings: tuple[str, ...] = ()
     places: pd.DataFrame = field(default_factory=pd.DataFrame)
+    quality: pd.DataFrame = field(default_factory=pd.DataFrame)
+    rules: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return (

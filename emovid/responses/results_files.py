@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from emovid.csv_reader import read_bytes, read_table
@@ -72,6 +73,31 @@ def read_results(path: Path) -> tuple[Counts, tuple[str, ...], tuple[str, ...]]:
     except (ValueError, KeyError, TypeError, RecursionError):
         raise SourceError(str(file), "not results; expected the results.json of emovid study analyze") from None
     return matrix, labels, signalled
+
+
+def read_participants(path: Path) -> Counts | None:
+    """Return how often each participant gave each label to each emotion (participants, labels, signalled).
+
+    None for a confusion matrix alone; else from responses_tidy.csv beside the results, in the order of their labels.
+
+    Raises:
+        SourceError: as `read_results`, and if the answers are not those of the results.
+    """
+    folder = path if path.is_dir() else path.parent
+    tidy = folder / "responses_tidy.csv"
+    if (not path.is_dir() and path.suffix.lower() != ".json") or not tidy.is_file():
+        return None
+    matrix, labels, signalled = read_results(path)
+    table = read_table(read_bytes(tidy), str(tidy))
+    if tuple(table.names[: len(TIDY)]) != TIDY:
+        raise SourceError(str(tidy), f"not tidy answers; expected the columns {', '.join(TIDY)}", 1)
+    people, names = pd.factorize(table.cells[0])
+    rows, columns = pd.Index(labels).get_indexer(table.cells[3]), pd.Index(signalled).get_indexer(table.cells[2])
+    uses = np.zeros((len(names), *matrix.shape), dtype=np.int64)
+    np.add.at(uses, (people, rows, columns), 1)
+    if min(rows.min(initial=0), columns.min(initial=0)) < 0 or (uses.sum(axis=0) != matrix).any():
+        raise SourceError(str(tidy), "other answers than those of results.json; expected both from one analysis")
+    return uses
 
 
 def _different(path: Path, lines: Sequence[int], names: Sequence[str]) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from emovid.errors import InputError
 from emovid.responses.labels import NONE
 from emovid.responses.participants import MOST_LEVELS
+from emovid.responses.quality import LEFT_OUT, quality_signs
 from emovid.responses.responses import Responses
 from emovid.statistics.circumplex import ANGLES, AROUSAL, VALENCE
 from emovid.statistics.confusions import near_neighbors, percent, quasi_independence
@@ -68,25 +69,12 @@ def analyze(responses: Responses, by: Sequence[str] = (), seed: int = 0, margin:
         if len(set(showings.videos)) > len(set(showings.right))
         else {},
         accuracy=accuracy(results.counts, hits, n),
-        information=information(results.counts, samples, seed),
+        information=information(results.counts, samples, seed, int((n > 0).sum())),
         flow=_flow(responses),
         dependence=_dependence(showings, responses.labels, seed),
         groups=_corrected_groups({column: _groups(responses, showings, column, seed) for column in columns}),
         group_differences=_corrected_differences(
-            {
-                column: GroupDifferences(
-                    confirmatory=bool(by),
-                    scores=scores_differ(showings, list(responses.participants[column]), seed, margin),
-                    videos=dict(
-                        zip(
-                            responses.signalled,
-                            rates_differ(showings, list(responses.participants[column]), seed, margin),
-                            strict=True,
-                        )
-                    ),
-                )
-                for column in columns
-            }
+            {column: _differences(responses, showings, column, bool(by), seed, margin) for column in columns}
         ),
     )
     too_many = [name for name in responses.participants.columns if not by and name not in columns]
@@ -121,9 +109,11 @@ def _flow(responses: Responses) -> Flow:
         excluded=dict(responses.dropped),
         analyzed=analyzed,
         left_out=dict(responses.left_out),
-        rejected=len(responses.rejected),
+        rejected=sum(not row.reason.startswith(LEFT_OUT) for row in responses.rejected),
         synonyms=responses.synonyms,
         repeats=responses.repeats,
+        rules=responses.rules,
+        quality=quality_signs(responses),
     )
 
 
@@ -224,6 +214,19 @@ def _groups(responses: Responses, showings: Showings, column: str, seed: int) ->
     return found
 
 
+def _differences(
+    responses: Responses, showings: Showings, column: str, confirmatory: bool, seed: int, margin: float | None
+) -> GroupDifferences:
+    """Return how the levels of a group column differ."""
+    group = list(responses.participants[column])
+    rates = rates_differ(showings, group, seed, margin)
+    return GroupDifferences(
+        confirmatory=confirmatory,
+        scores=scores_differ(showings, group, seed, margin),
+        videos=dict(zip(responses.signalled, rates, strict=True)),
+    )
+
+
 def _corrected_groups(groups: Groups) -> Groups:
     """Return groups with Holm's correction over all their tests against chance: every column, level and emotion."""
     blocks = [(column, level) for column, levels in groups.items() for level in levels]
@@ -273,11 +276,16 @@ def _warnings(results: StudyResults) -> Iterable[str]:
 
 
 def _fit_warnings(results: StudyResults) -> Iterable[str]:
+    yield from _bias_warnings(results)
+    without = [name for name, fit in results.goodness_of_fit.items() if not fit.n]
+    if without:
+        yield f"{', '.join(without)}: no answers to a video of {'it' if len(without) == 1 else 'them'}"
+    fits = {name: fit for name, fit in results.goodness_of_fit.items() if fit.n and fit.expected < SMALL_EXPECTED}
+    if fits:
+        least = min(fit.expected for fit in fits.values())
+        names = "all emotions" if len(fits) == len(results.emotions) > 1 else ", ".join(fits)
+        yield f"{names}: {least:.1f} answers a cell are expected, under {SMALL_EXPECTED}: use the exact p"
     for j, (name, fit) in enumerate(results.goodness_of_fit.items()):
-        if not fit.n:
-            yield f"{name}: no answers to a video of it"
-        elif fit.expected < SMALL_EXPECTED:
-            yield f"{name}: {fit.expected:.1f} answers a cell are expected, under {SMALL_EXPECTED}: use the exact p"
         if fit.p_exact <= ALPHA and not results.recognition[name].above_chance:
             column = results.counts[:, j]
             most = [label for label, n in zip(results.labels, column, strict=True) if n == column.max()]
@@ -289,6 +297,31 @@ def _fit_warnings(results: StudyResults) -> Iterable[str]:
             yield f"{name}: the answers are not uniform, {why}"
 
 
+def _bias_warnings(results: StudyResults) -> Iterable[str]:
+    """Yield emotions above chance that the popularity of their label may explain alone."""
+    popular = beyond_popularity(results, False)
+    if popular:
+        yield (
+            f"{', '.join(popular)}: above 1/{len(results.labels)}, but not above what the popularity of the label "
+            "alone gives: the interval of the unbiased hit rate contains its chance level"
+        )
+    total = results.dependence.total_recognition if results.dependence else None
+    if total is not None and total.p > ALPHA and any(test.above_chance for test in results.recognition.values()):
+        yield (
+            f"all hits together ({total.hits} of {total.n}) are not more than the same answers shuffled over the "
+            f"videos give ({total.expected:.1f}, p = {total.p:.3f}): preferred labels may be all that there is"
+        )
+
+
+def beyond_popularity(results: StudyResults, shown: bool) -> list[str]:
+    """Return emotions above chance whose unbiased hit rate is, or is not, shown to be above its chance level."""
+    return [
+        name
+        for name, found in results.recognition.items()
+        if found.above_chance and not np.isnan(found.hu_low) and (found.hu_low > found.hu_chance) == shown
+    ]
+
+
 def _reading_warnings(responses: Responses, showings: Showings) -> Iterable[str]:
     if responses.rejected:
         yield f"{len(responses.rejected)} rows or cells were not used: see rejected.csv"
@@ -297,7 +330,7 @@ def _reading_warnings(responses: Responses, showings: Showings) -> Iterable[str]
     by_video = len(set(showings.videos)) * len(showings.choices)
     missing = by_video - len(responses.answers.drop_duplicates(["participant", "video"]))
     if missing:
-        yield f"{missing} of {by_video} answers are missing"
+        yield f"{missing} of {by_video} answers are missing" + (" or were left out" if responses.left_out else "")
 
 
 def _notes(results: StudyResults, several: bool) -> Iterable[str]:

@@ -84,7 +84,7 @@ def participants_for(design: Design, power: float = 0.8, seed: int = 0) -> Plann
         middle = (low + high) // 2
         low, high = (low, middle) if simulated_power(design, middle, seed)[0] >= power else (middle, high)
     found, error = simulated_power(design, high, seed + 1, _FINAL)
-    while found < power - error and high < MOST:
+    while found < power and high < MOST:
         high += max(1, high // 50)
         found, error = simulated_power(design, high, seed + 1, _FINAL)
     return Planned(high, found, error, _FINAL)

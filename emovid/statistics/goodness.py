@@ -28,7 +28,8 @@ class Goodness:
         statistic: Pearson's chi-squared; where participants gave several answers, the quadratic permutation statistic,
             which is Pearson's where each gave one.
         dof: its degrees of freedom, one less than there are labels.
-        p: from the chi-squared distribution, poor where `expected` is below 5 (Cochran 1954); NaN without answers.
+        p: from the chi-squared distribution, poor where `expected` is below 5 (Cochran 1954); NaN with fewer than two
+            answers.
         p_exact: probability, under equal shares, of a statistic at least as large; an estimate if `draws` is not 0.
         method: of `p_exact`, "exact" or "Monte Carlo" (multinomial samples, or permutations of each participant's
             answers over the labels).
@@ -36,6 +37,7 @@ class Goodness:
         seed: of the samples, None for an exact p.
         cohens_w: effect size, NaN without answers.
         expected: answers per label under equal shares.
+        participants: who gave several answers each, so that `statistic` is not Pearson's; None for one answer each.
     """
 
     n: int
@@ -48,6 +50,7 @@ class Goodness:
     seed: int | None
     cohens_w: float
     expected: float
+    participants: int | None = None
 
 
 def goodness_of_fit(counts: NDArray[np.int64], seed: int = 0, uses: NDArray[np.int64] | None = None) -> Goodness:
@@ -69,10 +72,10 @@ def goodness_of_fit(counts: NDArray[np.int64], seed: int = 0, uses: NDArray[np.i
     if several:
         assert uses is not None
         statistic, p_exact = _permuted(uses, np.random.default_rng(seed))
-    elif n:
+    elif n > 1:  # a single answer is as uneven as any
         statistic = float((counts**2).sum() * k / n - n)
         p_exact = exact_p(counts) if exact else monte_carlo_p(counts, np.random.default_rng(seed))
-    if n:
+    if n and not np.isnan(statistic):
         p = float(chdtrc(k - 1, max(statistic, 0.0)))
     return Goodness(
         n=n,
@@ -85,17 +88,19 @@ def goodness_of_fit(counts: NDArray[np.int64], seed: int = 0, uses: NDArray[np.i
         seed=None if exact else seed,
         cohens_w=cohens_w(float((counts**2).sum() * k / max(n, 1) - n), n),
         expected=n / k,
+        participants=int(uses.any(axis=1).sum()) if several and uses is not None else None,
     )
 
 
 def _permuted(uses: NDArray[np.int64], rng: np.random.Generator) -> tuple[float, float]:
     """Return the quadratic statistic of label totals, and its p when each participant's uses are permuted over labels.
 
-    Participants who give all labels equally often say nothing; without others nothing is rejected.
+    Participants who give all labels equally often say nothing. With fewer than two others both numbers are NaN: all
+    permutations of one participant's answers are as uneven as they are.
     """
     totals, scale = uses.sum(axis=0), float(uses.var(axis=1, ddof=1).sum())
-    if not scale:
-        return 0.0, 1.0
+    if (np.ptp(uses, axis=1) > 0).sum() < 2:
+        return float("nan"), float("nan")
     at_least, most = 0, (totals**2).sum()
     batch = max(1, _BATCH // uses.size)
     for first in range(0, DRAWS, batch):

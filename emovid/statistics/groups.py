@@ -165,8 +165,11 @@ def _tiny(levels: Sequence[str], sizes: Sequence[int]) -> tuple[str, ...]:
 
 
 def _shuffled_means(samples: list[NDArray[np.float64]], seed: int) -> tuple[float, bool, int]:
-    """Return p of the distance between groups, whether it is studentized, and the draws: 0 if all splits are listed."""
-    if len(samples) < 2:
+    """Return p of the distance between groups, whether it is studentized, and the draws: 0 if all splits are listed.
+
+    NaN where no split differs from another: one group, equal scores, or groups of one participant each.
+    """
+    if len(samples) < 2 or max(map(len, samples)) < 2 or np.ptp(np.concatenate(samples)) < _NO_SPREAD:
         return _NAN, True, 0
     scores, sizes = np.concatenate(samples), list(map(len, samples))
     studentized = min(sizes) > 1
@@ -248,9 +251,7 @@ def _rates_differ(
     several = bool((n > 1).any())
     if several:
         samples = [hits[mine & (n > 0)] / n[mine & (n > 0)] for mine in member]
-        samples = [sample for sample in samples if len(sample)]
-        undefined = len(samples) < 2 or np.ptp(np.concatenate(samples)) < _NO_SPREAD
-        p, _, draws = (_NAN, True, 0) if undefined else _shuffled_means(samples, seed)
+        p, _, draws = _shuffled_means([sample for sample in samples if len(sample)], seed)
         method = "permutation"
     else:
         p, method, draws = _fisher(np.array(h), np.array(m), seed)
@@ -276,7 +277,7 @@ def _rates_differ(
 def _fisher(hits: NDArray[np.int64], n: NDArray[np.int64], seed: int) -> tuple[float, str, int]:
     """Return p of the groups' hits, those without answers left out, the method as in `RatesDiffer`, and the draws."""
     table = np.array([hits, n - hits])[:, n > 0]
-    if table.shape[1] < 2 or not table.any(axis=1).all():
+    if table.shape[1] < 2 or not table.any(axis=1).all() or n.max(initial=0) < 2:
         return _NAN, "exact", 0
     hits, n = table[0], table.sum(axis=0)
     if table.shape[1] == 2:

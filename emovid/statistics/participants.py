@@ -14,7 +14,7 @@ from math import comb, factorial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import chdtrc, fdtrc, ndtr
+from scipy.special import chdtrc, ndtr
 
 from emovid.statistics.confusions import quasi_independence
 from emovid.statistics.goodness import DRAWS
@@ -114,7 +114,7 @@ class TotalRecognition:
         hits: right answers of everybody.
         n: answers.
         expected: mean of the hits when shuffled.
-        p: one-sided, of at least that many hits; NaN without answers.
+        p: one-sided, of at least that many hits; NaN where shuffling changes nothing, as with one emotion.
         method: "exact" or "normal".
     """
 
@@ -139,7 +139,9 @@ def total_recognition(choices: Choices, right: NDArray[np.int64] | None = None) 
     nulls = [hit_distribution(tuple(map(tuple, row[1:].reshape(-1, 2).tolist())), int(row[0])) for row in patterns]
     expected = float(often @ [np.arange(len(null)) @ null for null in nulls])
     exact = len(choices) <= MOST_CONVOLVED
-    return TotalRecognition(hits, n, expected, sum_tail(nulls, often, hits, exact), "exact" if exact else "normal")
+    fixed = all(null.max() > 1 - 1e-12 for null in nulls)
+    p = float("nan") if fixed else sum_tail(nulls, often, hits, exact)
+    return TotalRecognition(hits, n, expected, p, "exact" if exact else "normal")
 
 
 def _patterns(choices: Choices, right: NDArray[np.int64]) -> Choices:
@@ -190,10 +192,10 @@ class LabelUse:
         repeated: share who gave it twice or more (k,).
         errors: wrong answers by label (k,).
         bias: how often each label (k,) is given by mistake, videos taken into account; 1 on average (`Errors.bias`).
-        statistic: Hotelling's T-squared as F; NaN where the test is undefined: two labels, or fewer participants with
-            errors than labels.
-        dof: of F.
-        p: from the F distribution; NaN like the statistic.
+        statistic: score statistic of an even share; NaN where the test is undefined: two labels, or no more
+            participants with errors than degrees of freedom.
+        dof: of its chi-squared distribution.
+        p: from that distribution; NaN like the statistic.
         participants: with at least one error.
     """
 
@@ -203,7 +205,7 @@ class LabelUse:
     errors: NDArray[np.int64]
     bias: NDArray[np.float64]
     statistic: float
-    dof: tuple[int, int]
+    dof: int
     p: float
     participants: int
 
@@ -212,8 +214,9 @@ def label_use(showings: Showings, offered: NDArray[np.bool_] | None = None) -> L
     """Return whether wrong answers prefer some labels, given how many errors each participant makes on each video.
 
     Without a preference each wrong label is as likely as another. What a participant gives beyond that is summed over
-    their errors, and the means of these sums are tested against 0 (H. Hotelling, 1931): hits do not enter, so unequal
-    recognition is no preference, and the answers of a participant may depend on each other.
+    their errors, and these sums are tested against 0 by a score test, whose covariance is taken about 0: about the
+    mean, as in H. Hotelling's test (1931), 45 participants give 6 to 7 % of rejections instead of 5 %. Hits do not
+    enter, so unequal recognition is no preference; the answers of a participant may depend on each other.
 
     Args:
         showings: the answers.
@@ -223,15 +226,15 @@ def label_use(showings: Showings, offered: NDArray[np.bool_] | None = None) -> L
     offered = np.ones(k, dtype=bool) if offered is None else offered
     used = showings.uses(np.ones(len(showings.right), dtype=bool))
     people = max(len(used), 1)
-    beyond, wrong_given = np.zeros((len(choices), k)), np.zeros(len(choices), dtype=np.int64)
+    beyond, erring = np.zeros((len(choices), k)), np.zeros(len(choices), dtype=bool)
     for column, right in zip(choices.T, showings.right, strict=True):
         others = offered & (np.arange(k) != right)
         wrong = (column >= 0) & (column != right) & np.where(column >= 0, offered[column], False)
         beyond[wrong] -= others / max(others.sum(), 1)
         beyond[np.flatnonzero(wrong), column[wrong]] += 1
-        wrong_given += wrong
+        erring |= wrong
     counts = showings.counts()
-    statistic, dof, p = _hotelling(beyond[wrong_given > 0][:, offered])
+    statistic, dof, p = _score_test(beyond[erring][:, offered])
     bias = np.full(k, np.nan)
     videos = int(offered[: showings.emotions].sum())
     if videos == showings.emotions:
@@ -245,23 +248,22 @@ def label_use(showings: Showings, offered: NDArray[np.bool_] | None = None) -> L
         statistic=statistic,
         dof=dof,
         p=p,
-        participants=int((wrong_given > 0).sum()),
+        participants=int(erring.sum()),
     )
 
 
-def _hotelling(values: NDArray[np.float64]) -> tuple[float, tuple[int, int], float]:
-    """Return F, its degrees of freedom and p of the means of `values` (n, d) against 0; NaN where it is undefined."""
-    n, undefined = len(values), (float("nan"), (0, 0), float("nan"))
-    if n < 2:
-        return undefined
-    sizes, axes = np.linalg.eigh(np.cov(values, rowvar=False))
+def _score_test(values: NDArray[np.float64]) -> tuple[float, int, float]:
+    """Return the statistic, degrees of freedom and p of the mean of `values` (n, d) against 0; NaN if undefined."""
+    n = len(values)
+    if not n:
+        return float("nan"), 0, float("nan")
+    sizes, axes = np.linalg.eigh(values.T @ values / n)
     kept = sizes > 1e-9 * max(float(sizes.max()), 1e-12)
     rank = int(kept.sum())
-    if not rank or n <= rank or rank < values.shape[1] - 1:
-        return undefined
-    t2 = n * float(((values.mean(axis=0) @ axes[:, kept]) ** 2 / sizes[kept]).sum())
-    f = t2 * (n - rank) / (rank * (n - 1))
-    return f, (rank, n - rank), float(fdtrc(rank, n - rank, f))
+    if n <= rank or rank < values.shape[1] - 1 or float(sizes.max()) < 1e-12:
+        return float("nan"), rank, float("nan")
+    statistic = n * float(((values.mean(axis=0) @ axes[:, kept]) ** 2 / sizes[kept]).sum())
+    return statistic, rank, float(chdtrc(rank, statistic))
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ analysis of a study. Tests compare each function with theirs.
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import bdtrc, betainc, betaln, gammaln, ndtr, ndtri
+from scipy.special import bdtrc, betainc, betaln, gammaln, ndtr, ndtri, stdtrit
 
 _ROUNDING = 1e-7  # relative: tables as likely as the one found, as in R's fisher.test
 
@@ -57,9 +57,10 @@ def binomial_tail(hits: float, n: float, chance: float) -> float:
 def effective_n(hits: NDArray[np.int64], n: NDArray[np.int64]) -> float:
     """Return how many independent answers the answers of participants are worth, for the interval of their rate.
 
-    The variance of the rate between participants is compared with that of independent answers (E. Korn and B. Graubard,
-    Survey Methodology 24, 1998, without their t factor). It is the number of answers where each participant gives one
-    answer, never more, and the number of participants where all answers hit or all miss.
+    The variance of the rate between participants is compared with that of independent answers, and the number is cut
+    by a t factor, since few participants tell little about that variance (E. Korn and B. Graubard, Survey Methodology
+    24, 1998). It is the number of answers where each participant gives one answer, never more, and the number of
+    participants where all answers hit or all miss.
 
     Args:
         hits: of each participant.
@@ -73,7 +74,10 @@ def effective_n(hits: NDArray[np.int64], n: NDArray[np.int64]) -> float:
     if rate in (0.0, 1.0):
         return float(people)
     variance = people / (people - 1) * float(((hits - rate * n) ** 2).sum()) / total**2
-    return float(min(total, max(rate * (1 - rate) / variance, 1.0))) if variance else float(total)
+    if not variance:
+        return float(total)
+    few = float(ndtri(0.975) / stdtrit(people - 1, 0.975)) ** 2
+    return float(min(total, max(few * rate * (1 - rate) / variance, 1.0)))
 
 
 def fisher_exact(hits: tuple[int, int], n: tuple[int, int]) -> float:

@@ -35,9 +35,10 @@ class AgainstChance:
         hits: right answers.
         n: answers.
         participants: who gave them.
+        effective_n: independent answers that they are worth: n for one answer each (`proportions.effective_n`).
         rate: hits / n, NaN without answers.
-        ci_low, ci_high: two-sided 95 % interval of the rate (E. Wilson, 1927), not corrected for several videos; 0 and
-            1 without answers. Where participants gave several answers, n is replaced by the effective number of them.
+        ci_low, ci_high: two-sided 95 % interval of the rate (E. Wilson, 1927) with `effective_n` answers, not corrected
+            for several videos; 0 and 1 without answers.
         chance: the rate that guessing would have.
         p_binomial: exact, one-sided: more hits than guessing; NaN without answers.
         method: of p, "exact binomial", or "exact permutation" where participants gave several answers: each one's
@@ -50,6 +51,7 @@ class AgainstChance:
     hits: int
     n: int
     participants: int
+    effective_n: float
     rate: float
     ci_low: float
     ci_high: float
@@ -67,8 +69,8 @@ class Recognition(AgainstChance):
     Attributes:
         verdict: "absolute majority" (over half of the answers), "relative majority" (more than any other label) or
             "neither". It describes the answers; `p_verdict` tests it.
-        p_verdict: one-sided exact binomial: of an absolute majority against one half, of a relative one against the
-            label that came next; NaN for "neither". Several answers of participants count as their effective number.
+        p_verdict: one-sided sign test: of an absolute majority against one half, of a relative one against the label
+            that came next; NaN for "neither". Several answers of a participant change their sign together.
         hu: Wagner's unbiased hit rate, NaN where the label was never given or the emotion has no answers.
         hu_low, hu_high: its 95 % interval from resampled participants; NaN where they are not known.
         hu_chance: Wagner's chance level of it: the product of the shares of the label and of the video.
@@ -155,7 +157,7 @@ def recognize(
             Recognition(
                 **vars(test),
                 verdict=word,
-                p_verdict=_verdict_p(word, column, j, 1.0 if uses is None else _thinned(uses[j], j)),
+                p_verdict=_verdict_p(word, column, j, None if uses is None else uses[j]),
                 hu=float(hu[j]),
                 hu_low=float(ends[j, 0]),
                 hu_high=float(ends[j, 1]),
@@ -211,7 +213,7 @@ def _against_chance(column: Counts, right: NDArray[np.bool_], uses: NDArray[np.i
         worth, p = effective_n(uses[:, right].sum(axis=1), answers), _permuted_p(uses, int(right.sum()), hits)
     rate = hits / n if n else float("nan")
     low, high = wilson(hits * worth / n, worth) if n else (0.0, 1.0)
-    return AgainstChance(hits, n, people, rate, low, high, chance, p, method, p, False)
+    return AgainstChance(hits, n, people, worth, rate, low, high, chance, p, method, p, False)
 
 
 def _permuted_p(uses: NDArray[np.int64], right: int, hits: int) -> float:
@@ -231,12 +233,6 @@ def _null_hits(used: tuple[int, ...], right: int) -> NDArray[np.float64]:
     return np.bincount(sums, minlength=sum(used) + 1) / len(sums)
 
 
-def _thinned(uses: NDArray[np.int64], right: int) -> float:
-    """Return by how much answers of participants who gave several are worth less than independent ones."""
-    n = uses.sum(axis=1)
-    return effective_n(uses[:, right], n) / int(n.sum()) if n.any() else 1.0
-
-
 def verdict(column: NDArray[np.int64], right: int) -> str:
     """Return which majority of the answers (k,) to a video its label, in row `right`, has."""
     if 2 * column[right] > column.sum():
@@ -244,12 +240,19 @@ def verdict(column: NDArray[np.int64], right: int) -> str:
     return "relative majority" if (column[right] > np.delete(column, right)).all() else "neither"
 
 
-def _verdict_p(word: str, column: NDArray[np.int64], right: int, worth: float) -> float:
+def _verdict_p(word: str, column: NDArray[np.int64], right: int, uses: NDArray[np.int64] | None) -> float:
+    """Return the sign test of the verdict: the exact binomial test where each participant gave one answer."""
     if word == "neither":
         return float("nan")
-    hits, others = int(column[right]), np.delete(column, right)
-    against = int(column.sum()) if word == "absolute majority" else hits + int(others.max())
-    return binomial_tail(hits * worth, against * worth, 0.5)
+    rivals = [row for row in range(len(column)) if row != right]
+    if word == "relative majority":
+        rivals = [max(rivals, key=lambda row: column[row])]
+    if uses is None or int((uses.sum(axis=1) > 0).sum()) == int(uses.sum()):
+        return binomial_tail(int(column[right]), int(column[right] + column[rivals].sum()), 0.5)
+    lead = uses[:, right] - uses[:, rivals].sum(axis=1)
+    sizes, often = np.unique(np.abs(lead[lead != 0]), return_counts=True)
+    nulls = [np.concatenate([[0.5], np.zeros(int(size) - 1), [0.5]]) for size in sizes]
+    return sum_tail(nulls, often, int(lead[lead > 0].sum()), exact=int(often.sum()) <= MOST_CONVOLVED)
 
 
 def unbiased_hit_rates(counts: NDArray[np.int64] | NDArray[np.float64]) -> NDArray[np.float64]:
@@ -293,11 +296,12 @@ def collapse(
     """Return the recognition of `poles` (`VALENCE` or `AROUSAL`) from `counts` (labels, signalled).
 
     A guess has the right pole as often as there are labels of it: 2 / 6 for positive valence, 4 / 6 for negative.
-    Answers without a pole ("none") count as misses; videos without one are left out.
+    Answers without a pole ("none") count as misses; videos without one are left out, and so are those whose pole all
+    labels have: no answer can miss there.
     """
     pole = np.array([poles.get(label, -1) for label in labels], dtype=np.int64)
     same = (pole[:, None] == pole[None, : counts.shape[1]]) & (pole[:, None] >= 0)
-    known = [j for j in range(counts.shape[1]) if pole[j] >= 0]
+    known = [j for j in range(counts.shape[1]) if pole[j] >= 0 and not same[:, j].all()]
     tests = against_chance(counts[:, known], same[:, known], alpha, None if uses is None else [uses[j] for j in known])
     sides = pole[None, :] == np.array([[True], [False]])
     return Collapsed(

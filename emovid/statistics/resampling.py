@@ -14,6 +14,7 @@ BOOTSTRAPS = 2_000
 # Ours: distinct sets of answers times resamples; at most seconds, also for 100 000 participants.
 _BOOTSTRAP_CELLS = 20_000_000
 _ENDS = [2.5, 97.5]
+FEWEST_RESAMPLED = 20
 
 
 @dataclass(frozen=True)
@@ -22,12 +23,15 @@ class Information:
 
     Attributes:
         bits: mutual information of answers and videos, as found; NaN without answers.
-        ci_low, ci_high: its 95 % interval, from resampled participants, less the bias that the same resampling shows.
+        corrected: less the bias that resampling shows: few answers look informative by chance; NaN like the interval.
+        ci_low, ci_high: 95 % interval of the corrected value, from resampled participants; NaN for fewer than
+            `FEWEST_RESAMPLED` participants, whose bootstrap shows too little of the error.
         most: bits of answers that are always right.
         draws, seed: of the bootstrap; 0 and None where participants are not known.
     """
 
     bits: float
+    corrected: float
     ci_low: float
     ci_high: float
     most: float
@@ -68,14 +72,18 @@ def unbiased_hit_intervals(showings: Showings, samples: NDArray[np.float64]) -> 
     return intervals
 
 
-def information(counts: NDArray[np.int64], samples: NDArray[np.float64] | None, seed: int = 0) -> Information:
+def information(
+    counts: NDArray[np.int64], samples: NDArray[np.float64] | None, seed: int = 0, participants: int = FEWEST_RESAMPLED
+) -> Information:
     """Return the mutual information of answers and videos in `counts`, with its interval from `samples` of it."""
+    nan = float("nan")
     bits = mutual_information(counts)
     most = float(np.log2(max(int(counts.any(axis=0).sum()), 1)))
     if samples is None or not np.isfinite(bits):
-        return Information(bits, float("nan"), float("nan"), most, 0, None)
+        return Information(bits, nan, nan, nan, most, 0, None)
     found = np.array([mutual_information(sample) for sample in samples])
-    if np.ptp(found) < 1e-9:  # no participant answered unlike the others: the bootstrap sees no error
-        return Information(bits, float("nan"), float("nan"), most, len(samples), seed)
-    low, high = np.nanpercentile(found, _ENDS) - 2 * (np.nanmean(found) - bits)
-    return Information(bits, float(max(low, 0.0)), float(min(high, most)), most, len(samples), seed)
+    if np.ptp(found) < 1e-9 or participants < FEWEST_RESAMPLED:  # where all answer alike it sees no error at all
+        return Information(bits, nan, nan, nan, most, len(samples), seed)
+    bias = float(np.nanmean(found) - bits)
+    low, high = np.clip(np.nanpercentile(found, _ENDS) - 2 * bias, 0.0, most)
+    return Information(bits, max(bits - bias, 0.0), float(low), float(high), most, len(samples), seed)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from emovid.responses.quality import QualitySign
 from emovid.responses.responses import Source, Synonym
 from emovid.statistics.confusions import NearNeighbors
 from emovid.statistics.goodness import Goodness
@@ -109,6 +110,8 @@ class Flow:
         rejected: rows and cells that could not be used.
         synonyms: texts that count as a label that they do not spell.
         repeats: which of several answers of a participant to one video count; None where nothing says it.
+        rules: rules of exclusion that the analysis was told to apply.
+        quality: signs of careless answers and of poor playback among what is analyzed.
     """
 
     origin: str
@@ -119,6 +122,8 @@ class Flow:
     rejected: int
     synonyms: tuple[Synonym, ...]
     repeats: str | None
+    rules: tuple[str, ...]
+    quality: tuple[QualitySign, ...]
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ from emovid.kit.folder import Kit
 from emovid.kit.manifest import Manifest
 from emovid.kit.orders import balance_of
 from emovid.kit.study import Counting
+from emovid.responses.quality import SPEEDER, STRAIGHTLINER, is_speeder, is_straightliner
 from emovid.responses.responses import FAILED_CHECK, SMOOTH, UNSUBMITTED
 from emovid.survey.records import Answer, Participant, Playback, Viewing
 from emovid.survey.store import Store
@@ -217,7 +218,14 @@ def _exported_status(person: Participant, kit: Kit, now: float, release: float) 
     if complete:
         status = COMPLETE if counting.unsubmitted else UNSUBMITTED
     passed, given = passed_checks(person, kit)
-    return FAILED_CHECK if passed < given and not counting.failed_checks else status
+    if passed < given and not counting.failed_checks:
+        return FAILED_CHECK
+    answered = {person.videos[place - 1]: answer for place, answer in person.answers.items()}
+    shown = {code: answer for code, answer in answered.items() if code in set(kit.manifest.codes)}
+    if not counting.straightliners and is_straightliner([answer.response for answer in shown.values()], list(shown)):
+        return STRAIGHTLINER
+    times = [answer.first_ms for answer in shown.values() if answer.first_ms is not None]
+    return SPEEDER if is_speeder(times, counting.min_response_ms) else status
 
 
 def _checks(person: Participant, kit: Kit) -> str:
@@ -266,17 +274,19 @@ def _row(
         stalled_ms=view.watched.stalled_ms,
         play_ms=view.watched.play_ms,
         response_ms="" if answer.first_ms is None else answer.first_ms,
-        playback=_playback(view.watched, manifest.counting),
+        playback=_playback(view.watched, view.share, manifest.counting),
         device=view.screen.device if view.screen else "",
     )
 
 
-def _playback(watched: Playback, counting: Counting) -> str:
+def _playback(watched: Playback, share: float, counting: Counting) -> str:
     """Return "smooth", or why the study's rules leave an answer to this playback out."""
     if counting.max_stalled_ms is not None and watched.stalled_ms > counting.max_stalled_ms:
         return "stalled"
     if counting.max_dropped is not None and watched.dropped > counting.max_dropped * max(watched.frames, 1):
         return "dropped frames"
+    if counting.min_watched is not None and share < counting.min_watched:
+        return "not watched"
     return SMOOTH
 
 

@@ -11,6 +11,7 @@ from emovid.figures.study import figure_data, study_figures
 from emovid.figures.style import encoded
 from emovid.report.page import report_html
 from emovid.report.tables import result_files
+from emovid.responses.quality import NO_RULES, ExclusionRules, exclude
 from emovid.responses.read import MOST_REJECTED, read_responses
 from emovid.responses.responses import Responses, Source
 from emovid.responses.results_files import (
@@ -19,10 +20,11 @@ from emovid.responses.results_files import (
     is_results,
     list_of_files,
     read_matrix,
+    read_participants,
     read_results,
 )
 from emovid.statistics.analyze import analyze, analyze_counts
-from emovid.statistics.compare import Compared, aligned, compare
+from emovid.statistics.compare import Compared, aligned, arranged, compare
 from emovid.statistics.results import Provenance, StudyResults
 from emovid.version import __version__
 
@@ -47,9 +49,11 @@ def analyze_exports(
     margin: float | None = None,
     include_pilots: bool = False,
     max_rejected: float = MOST_REJECTED,
+    rules: ExclusionRules = NO_RULES,
 ) -> Analysis:
-    """Return the analysis of exports; arguments as for `read_responses` and `analyze`."""
+    """Return the analysis of exports; arguments as for `read_responses` and `analyze`, and rules of exclusion."""
     responses = read_responses(sources, key, mapping, labels, by, include_pilots, max_rejected)
+    responses = exclude(responses, rules) if rules != NO_RULES else responses
     provenance = Provenance(responses.sources, file_digest(key) if key else None, __version__, seed)
     return Analysis(replace(analyze(responses, by, seed, margin), provenance=provenance), responses)
 
@@ -112,16 +116,25 @@ def compare_studies(
 ) -> tuple[tuple[str, ...], Compared]:
     """Return the signaled emotions of two analyses, and their comparison.
 
+    Participants are shuffled over the studies where both have them, in the responses_tidy.csv of an analysis.
+
     Raises:
         InputError: if the studies have different labels.
     """
     studies = read_results(original), read_results(replication)
     try:
-        first, second, signalled = aligned(*studies)
+        first, second, order, signalled = aligned(*studies)
     except ValueError:
         labels = ", ".join(studies[0][1])
         raise InputError(f"{replication}: other labels than {original}: expected {labels}") from None
-    return signalled, compare(first, second, seed, margin)
+    uses = read_participants(original), read_participants(replication)
+    people = None
+    if uses[0] is not None and uses[1] is not None:
+        people = (
+            arranged(uses[0], *studies[0][1:], order, signalled),
+            arranged(uses[1], *studies[1][1:], order, signalled),
+        )
+    return signalled, compare(first, second, seed, margin, people)
 
 
 def gives_several_answers(study: Path) -> bool:

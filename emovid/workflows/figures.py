@@ -161,7 +161,8 @@ def study_results(source: Path | None) -> FigureData:
 
 def _level(block: Any, signalled: Sequence[str]) -> LevelAccuracy:
     found = [[block["recognition"][name][key] for key in ("rate", "ci_low", "ci_high")] for name in signalled]
-    return LevelAccuracy(int(block["n_participants"]), np.array(found, dtype=float))
+    answers = [block["recognition"][name]["n"] for name in signalled]
+    return LevelAccuracy(int(block["n_participants"]), np.array(found, dtype=float), np.array(answers, dtype=np.int64))
 
 
 def measures_of(material: Material) -> dict[str, dict[str, float]]:

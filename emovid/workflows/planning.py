@@ -83,7 +83,7 @@ def plan_text(found: Planned | Sequential) -> str:
         if found.participants is None:
             return "more participants than can be planned"
         power = f"power {found.power:.3f}, standard error {found.error:.3f}, {found.studies:,} simulated studies"
-        return f"{found.participants} participants: {power}"
+        return f"{found.participants} participants in all: {power}"
     lines = [
         f"look after {n}: above chance from {above} hits" + (f", at chance up to {low}" if low >= 0 else "")
         if above <= n
@@ -93,7 +93,7 @@ def plan_text(found: Planned | Sequential) -> str:
     return "\n".join(
         (
             *lines,
-            f"false alarms {found.false_alarms:.4f} (simulated {found.simulated_false_alarms:.4f})",
+            f"false alarms of one emotion {found.false_alarms:.4f} (simulated {found.simulated_false_alarms:.4f})",
             f"power {found.power:.3f} (simulated {found.simulated_power:.3f})",
             f"participants on average: {found.expected[0]:.1f} by chance, {found.expected[1]:.1f} at the planned rate",
         )

@@ -276,11 +276,11 @@ def test_plan_command_simulates_a_complete_study(capsys) -> None:
     found = json.loads(capsys.readouterr().out)
     assert 0.78 < found["power"] < 0.9
     assert main(["study", "plan", "--rate", "0.6"]) == 0
-    assert capsys.readouterr().out.startswith(f"{found['participants']} participants: power 0.")
+    assert capsys.readouterr().out.startswith(f"{found['participants']} participants in all: power 0.")
     assert main(["study", "plan", "--sequential", "bayes", "--looks", "20,40"]) == 0
     said = capsys.readouterr().out
     assert said.startswith("look after 20: above chance from ")
-    assert "\nfalse alarms 0.0" in said
+    assert "\nfalse alarms of one emotion 0.0" in said
 
 
 def test_groups_are_compared_in_a_mixed_model(tmp_path, capsys) -> None:
@@ -334,7 +334,10 @@ def test_the_schema_of_results_is_kept(reference, capsys) -> None:
 
 
 def test_equivalence_needs_a_margin(tmp_path, capsys) -> None:
-    for margin, said in ((None, "equivalence not shown below"), ("15", "equivalence not shown within ±15.0 points")):
+    for margin, said in (
+        (None, "compatible with differences up to"),
+        ("15", "equivalence not shown within ±15.0 points"),
+    ):
         options = ["--margin", margin] if margin else []
         source = str(REFERENCE / "responses.csv")
         assert main(["study", "analyze", source, "--by", "gender", "-o", "r", "--quiet", *options]) == 0

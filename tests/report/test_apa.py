@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -73,10 +75,10 @@ def test_sentences_of_tests_within_participants() -> None:
     order = Order(np.array([1]), np.array([2]), -0.0125, 0.4845, "normal", 0, None)
     assert apa.order_effect(order) == "−1.25 points per position, p = .484"
     none = np.zeros(3)
-    use = LabelUse(none, none, none, none, none, 4.9855, (5, 39), 0.00126, 44)
-    assert apa.label_use(use) == "F(5, 39) = 4.99, p = .001"
-    unknown = LabelUse(none, none, none, none, none, nan, (0, 0), nan, 2)
-    assert apa.label_use(unknown) == "undefined: 2 participants with errors"
+    use = LabelUse(none, none, none, none, none, 24.9855, 5, 0.00126, 44)
+    assert apa.label_use(use) == "χ²(5, n = 44) = 24.99, p = .001"
+    unknown = LabelUse(np.zeros(6), none, none, none, none, nan, 0, nan, 1)
+    assert apa.label_use(unknown) == "no test: 1 participants with errors, 6 labels"
 
 
 def test_sentences_of_groups() -> None:
@@ -104,7 +106,7 @@ def test_sentences_of_differences() -> None:
     numbers = -0.0668, -0.3154, 0.2204, 0.2816
     text = "−6.7 points, 95% CI [−31.5, 22.0], "
     without = Pair(("a", "b"), *numbers, nan, None, 2.591)
-    assert apa.difference(without) == text + "equivalence not shown below 28.2 points, BF01 = 2.59"
+    assert apa.difference(without) == text + "compatible with differences up to 28.2 points (90% CI), BF01 = 2.59"
     shown = Pair(("a", "b"), *numbers, 0.3, True, 2.591)
     assert apa.difference(shown) == text + "equivalent within ±30.0 points, BF01 = 2.59"
     not_shown = Pair(("a", "b"), *numbers, 0.2, False, 2.591)
@@ -116,11 +118,12 @@ def test_sentence_of_all_answers_together() -> None:
     matrix = np.diag([10, 10]) + np.array([[0, 5], [5, 0]])
     assert apa.sentence(accuracy(matrix)) == "20/30 (66.7%)"
     known = accuracy(matrix, np.array([2] * 10 + [0] * 5), np.full(15, 2))
-    assert apa.sentence(known) == "20/30 (66.7%, 95% CI [40.9, 85.2])"
+    assert apa.sentence(known) == "20/30 (66.7%, 95% CI [38.7, 86.3])"
     assert apa.sentence(accuracy(0 * matrix)) == "0/0"
     nan = float("nan")
-    assert apa.information(Information(0.7492, 0.53, 0.84, 2.585, 2000, 0)) == "0.75 of 2.58 bits, 95% CI [0.53, 0.84]"
-    assert apa.information(Information(0.7492, nan, nan, 2.585, 0, None)) == "0.75 of 2.58 bits"
+    said = "0.75 of 2.58 bits (0.69 less the bias of small samples), 95% CI [0.53, 0.84]"
+    assert apa.information(Information(0.7492, 0.69, 0.53, 0.84, 2.585, 2000, 0)) == said
+    assert apa.information(Information(0.7492, nan, nan, nan, 2.585, 0, None)) == "0.75 of 2.58 bits"
 
 
 def test_only_tests_have_a_sentence() -> None:
@@ -150,8 +153,11 @@ def test_near_neighbors_and_replications() -> None:
     assert apa.near_neighbors(none) == "no confusions of emotions that have a place on it"
     fixed = near_neighbors(np.ones((2, 2), dtype=np.int64), ("fear", "anger"))
     assert apa.near_neighbors(fixed).endswith("cannot be tested: the margins fix the distance")
-    both = Compared((), 40.1667, 30, 0.1017, 0.0896, 9999, 0)
-    assert apa.compared(both) == "χ²(30) = 40.17, Monte Carlo p = .090 (B = 9,999)"
+    both = Compared((), 40.1667, 30, 0.1017, 0.0896, "participants", 9999, 0)
+    assert (
+        apa.compared(both) == "χ²(30) = 40.17, Monte Carlo p = .090 (B = 9,999), participants shuffled over the studies"
+    )
+    assert "as if all were independent" in apa.compared(replace(both, shuffled="answers"))
 
 
 @given(st.floats(0, 1))

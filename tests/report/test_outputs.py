@@ -273,11 +273,11 @@ def test_report_shows_exclusions_and_accepted_labels() -> None:
     assert (results.flow.enrolled, results.flow.analyzed) == (48, 45)
     page = report_html(results, study, {})
     for words in (
-        "<b>48</b>enrolled",
-        "2 preview",
-        "1 partial",
-        "<b>45</b>analyzed",
-        "rows: practice",
+        "<td>participants enrolled</td><td>48</td>",
+        "<td>excluded: preview</td><td>2</td>",
+        "<td>excluded: partial</td><td>1</td>",
+        "<td>participants analyzed</td><td>45</td>",
+        "<td>rows left out: practice</td><td>9</td>",
         "someone looked",
     ):
         assert words in page

@@ -183,12 +183,12 @@ def test_figure_names_of_groups_are_valid_on_all_file_systems() -> None:
     people = pd.DataFrame({name: study.participants[column] for name, column in groups.items()})
     names = list(study_figures(figure_data(analyze(Responses(EMOTIONS, EMOTIONS, study.answers, people)))))
     long = "accuracy-Geschlecht-m-w-d-wie-Sie-es-nennen-wie-Sie-es-nenne"
-    assert names[2:] == [long, f"{long}-2", "accuracy-Hand", "accuracy-hand-2", "accuracy-a-b"]
+    assert names[3:] == [long, f"{long}-2", "accuracy-Hand", "accuracy-hand-2", "accuracy-a-b"]
 
 
 def test_few_answers_give_warnings() -> None:
     said = analyze(responses(np.eye(6, dtype=int) * 4)).warnings
-    assert "fear: 0.7 answers a cell are expected, under 5: use the exact p" in said
+    assert "all emotions: 0.7 answers a cell are expected, under 5: use the exact p" in said
     assert "hand: fewer than 5 participants in left, right; interpret their tests with caution" in said
 
 

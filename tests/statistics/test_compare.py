@@ -1,12 +1,17 @@
+from itertools import combinations
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import chi2, chi2_contingency, fisher_exact
 
+from emovid.errors import SourceError
+from emovid.scene.resources import STUDIES
 from emovid.statistics.compare import aligned, compare, homogeneity
 from emovid.statistics.goodness import DRAWS
 from emovid.statistics.proportions import newcombe
+from emovid.workflows.analysis import analyze_exports, compare_studies, write_analysis
 
 A = np.array([[29, 8, 4], [5, 26, 4], [4, 0, 25], [7, 11, 12]])
 B = np.array([[14, 6, 8], [6, 10, 2], [4, 3, 9], [2, 5, 5]])
@@ -16,11 +21,11 @@ LABELS, PAIR = ("fear", "anger", "none"), ("fear", "anger")
 def test_studies_with_other_videos_are_aligned_by_their_labels() -> None:
     first = np.array([[3, 1], [1, 2], [0, 1]]), LABELS, PAIR
     second = np.array([[5], [6], [7]]), ("anger", "none", "fear"), ("anger",)
-    original, replication, videos = aligned(first, second)
+    original, replication, _, videos = aligned(first, second)
     assert videos == PAIR
     assert original.tolist() == first[0].tolist()
     assert replication.tolist() == [[0, 7], [0, 5], [0, 6]]
-    back, forth, videos = aligned(second, first)
+    back, forth, _, videos = aligned(second, first)
     assert (videos, back.tolist()) == (("anger", "fear"), [[5, 0], [7, 0], [6, 0]])
     assert forth.tolist() == [[2, 1], [1, 3], [1, 0]]
     found = compare(original, replication)
@@ -106,11 +111,66 @@ def test_studies_with_different_labels_are_refused() -> None:
 def test_homogeneity_of_many_tables() -> None:
     total, rows = np.array([6, 5, 4]), np.array([[3, 2, 2], [6, 1, 0], [0, 3, 4]])
     expected = [chi2_contingency(np.array([row, total - row])).statistic for row in rows]
-    assert homogeneity(rows, total) == pytest.approx(expected)
+    assert homogeneity(rows[:, :, None], total[:, None])[:, 0] == pytest.approx(expected)
+
+
+def people(rng: np.random.Generator, n: int, mood: float, exemplars: int = 1, k: int = 3) -> np.ndarray:
+    """Return uses (participants, k labels, k emotions) of participants who often repeat one label."""
+    favorite = rng.integers(k, size=(n, 1, 1))
+    given = np.where(rng.random((n, k, exemplars)) < mood, favorite, rng.integers(k, size=(n, k, exemplars)))
+    return (given[:, None] == np.arange(k)[None, :, None, None]).sum(axis=3)
+
+
+def test_shuffled_participants_are_all_splits_of_them() -> None:
+    rng = np.random.default_rng(4)
+    both = people(rng, 3, 0.5), people(rng, 4, 0.5)
+    a, b = (uses.sum(axis=0) for uses in both)
+    found = compare(a, b, people=both)
+    cells = np.concatenate(both)
+    sums = [cells[list(chosen)].sum(axis=0) for chosen in combinations(range(7), 4)]
+    whole = np.array([homogeneity(table[None], a + b).sum() for table in sums])
+    assert (found.shuffled, found.draws) == ("participants", DRAWS)
+    assert found.p_monte_carlo == pytest.approx((whole >= found.statistic - 1e-9).mean(), abs=0.02)
+
+
+def test_answers_of_one_mood_are_no_evidence_of_a_difference() -> None:
+    rng, by_people, by_answers = np.random.default_rng(0), [], []
+    for _ in range(40):
+        both = people(rng, 20, 1.0, k=8), people(rng, 20, 1.0, k=8)
+        a, b = (uses.sum(axis=0) for uses in both)
+        by_people.append(compare(a, b, people=both).p_monte_carlo <= 0.05)
+        by_answers.append(compare(a, b).p_monte_carlo <= 0.05)
+    assert np.mean(by_people) <= 0.15  # 0.05 +- 0.03
+    assert np.mean(by_answers) >= 0.2  # 0.23 is expected
+
+
+def test_several_answers_are_worth_less() -> None:
+    rng = np.random.default_rng(7)
+    both = people(rng, 20, 0.9, 4), people(rng, 20, 0.9, 4)
+    a, b = (uses.sum(axis=0) for uses in both)
+    known, unknown = compare(a, b, people=both).videos[0], compare(a, b).videos[0]
+    assert known.p_answers > unknown.p_answers + 0.1
+    assert known.rates.ci_high - known.rates.ci_low > 1.3 * (unknown.rates.ci_high - unknown.rates.ci_low)
+    assert known.pooled_high - known.pooled_low > 1.3 * (unknown.pooled_high - unknown.pooled_low)
+    assert np.isnan(known.replication_bf)
+
+
+def test_participants_come_from_the_tidy_answers(tmp_path) -> None:
+    reference = STUDIES / "santos-egerstedt" / "responses.csv"
+    for name in ("original", "replication"):
+        write_analysis(analyze_exports([reference]), tmp_path / name)
+    _, found = compare_studies(tmp_path / "original", tmp_path / "replication" / "results.json")
+    assert (found.shuffled, found.statistic, found.p_monte_carlo) == ("participants", 0, 1)
+    _, matrix = compare_studies(tmp_path / "original", tmp_path / "replication" / "confusion_matrix.csv")
+    assert (matrix.shuffled, matrix.p_monte_carlo) == ("answers", 1)
+    tidy = tmp_path / "original" / "responses_tidy.csv"
+    tidy.write_text("".join(tidy.read_text().splitlines(keepends=True)[:-1]))
+    with pytest.raises(SourceError, match=r"other answers than those of results\.json"):
+        compare_studies(tmp_path / "original", tmp_path / "replication")
 
 
 @given(MATRIX, MATRIX, st.permutations(range(3)))
-@settings(max_examples=12)
+@settings(max_examples=12, deadline=None)
 def test_order_of_studies_and_labels_does_not_matter(a: np.ndarray, b: np.ndarray, order: list[int]) -> None:
     test, swapped = compare(a, b), compare(b, a)
     assert np.isnan(test.p_monte_carlo) == (test.dof == 0)

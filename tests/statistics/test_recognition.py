@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.stats import beta, binomtest
+from scipy.stats import beta, binomtest, norm, t
 
 from emovid.responses.responses import EMOTIONS
 from emovid.statistics.circumplex import ANGLES, AROUSAL, VALENCE
@@ -189,15 +189,32 @@ def test_repeated_answers_add_no_evidence() -> None:
     (once,) = recognize(used.sum(axis=0)[:, None], uses=[used])
     (twice,) = recognize(2 * used.sum(axis=0)[:, None], uses=[2 * used])
     assert twice.p_binomial == pytest.approx(once.p_binomial)
-    assert (twice.ci_low, twice.ci_high) == pytest.approx((once.ci_low, once.ci_high), abs=0.01)
-    assert twice.p_verdict == pytest.approx(once.p_verdict, abs=0.03)
+    worth = 17 * (norm.ppf(0.975) / t.ppf(0.975, 17)) ** 2  # 18, less one for the rate, and less by the t factor
+    assert (twice.effective_n, once.effective_n) == (pytest.approx(worth), 18)
+    assert (twice.ci_low, twice.ci_high) == pytest.approx(wilson(worth / 2, worth))
+    assert twice.p_verdict == pytest.approx(once.p_verdict)
+    assert once.p_verdict == pytest.approx(binomtest(9, 14, 0.5, alternative="greater").pvalue)
+
+
+def test_majority_of_several_answers_changes_signs_of_participants() -> None:
+    rng = np.random.default_rng(2)
+    used = np.array([np.bincount(rng.choice(3, 4, p=[0.5, 0.3, 0.2]), minlength=3) for _ in range(9)])
+    (found,) = recognize(used.sum(axis=0)[:, None], uses=[used])
+    column = used.sum(axis=0)
+    rivals = used[:, 1:].sum(axis=1) if 2 * column[0] > column.sum() else used[:, 1 + np.argmax(column[1:])]
+    lead = used[:, 0] - rivals
+    signs = np.array(list(product([-1, 1], repeat=9)))
+    assert found.verdict != "neither"
+    assert found.p_verdict == pytest.approx((signs @ np.abs(lead) >= lead.sum()).mean())
+    assert found.p_verdict >= 2**-9
 
 
 def test_accuracy_treats_participants_as_units() -> None:
     counts = np.diag([10, 10]) + np.array([[0, 5], [5, 0]])
     known = accuracy(counts, hits=np.array([2] * 10 + [0] * 5), n=np.full(15, 2))
     assert (known.rate, known.participants) == (pytest.approx(2 / 3), 15)
-    assert (known.ci_low, known.ci_high) == pytest.approx(wilson(10 * 14 / 15, 14), abs=1e-9)
+    worth = 14 * (norm.ppf(0.975) / t.ppf(0.975, 14)) ** 2
+    assert (known.ci_low, known.ci_high) == pytest.approx(wilson(worth * 2 / 3, worth), abs=1e-9)
     assert np.isnan(accuracy(counts).ci_low)
 
 

@@ -14,7 +14,7 @@ import pytest
 from emovid.cli.main import main
 from emovid.kit.folder import Kit, open_public
 from emovid.kit.manifest import ServerKeys
-from emovid.kit.study import Recruitment, Return
+from emovid.kit.study import Counting, Recruitment, Return
 from emovid.kit.texts import TRANSLATED, Texts, words_of
 from emovid.survey import codes
 from emovid.survey.app import create_app
@@ -99,7 +99,7 @@ def take_part(someone: Visitor, shape: str = "Circle", **form) -> Visitor:
     for place in range(1, 9):
         assert someone.watch(place).json["open"]
         response = shape if 'value="Star"' in someone.get(f"/video/{place}").text else "fear"
-        assert someone.answer(place, response).status_code == 303
+        assert someone.answer(place, response, **{"response-ms": "900"}).status_code == 303
     assert someone.get("/").location == "/after"
     assert someone.post("/after", age="30", tools="A").location == "/review"
     assert someone.post("/submit").status_code == 303
@@ -325,6 +325,21 @@ def test_stalled_videos_are_marked_by_the_preset_rule(come, answers, full) -> No
     found = rows(answers, full)
     assert [row["playback"] for row in found] == ["smooth", "stalled"]
     assert (found[1]["stalls"], found[1]["stalled_ms"], found[1]["play_ms"]) == ("2", "501", "1400")
+
+
+@pytest.mark.parametrize(
+    ("rules", "status"),
+    [
+        ({}, "finished"),
+        ({"straightliners": False}, "straightliner"),
+        ({"min_response_ms": 900}, "finished"),
+        ({"min_response_ms": 901}, "speeder"),
+    ],
+)
+def test_careless_participants_are_marked_by_the_rules_of_the_study(come, answers, full, rules, status) -> None:
+    take_part(come(), shape="Star")  # and "fear" for all videos
+    kit = replace(full, manifest=full.manifest.model_copy(update={"counting": Counting(**rules)}))
+    assert {row["status"] for row in rows(answers, kit)} == {status}
 
 
 def test_kiosk_last_page_has_a_next_person_link_and_no_code(come, answers) -> None:

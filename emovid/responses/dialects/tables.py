@@ -39,6 +39,7 @@ from emovid.responses.parsed_export import (
     whole_numbers,
 )
 from emovid.responses.participants import PARTICIPANT, People, groups_of, who, who_answered, without
+from emovid.responses.quality import LEFT_OUT, SPEEDER, STRAIGHTLINER, measured
 from emovid.responses.responses import FAILED_CHECK, RECORDED, SMOOTH, SURVEY_COLUMNS, UNSUBMITTED
 
 # Words in names of columns that accompany an answer.
@@ -67,7 +68,9 @@ def read_survey(table: Table, known: Known) -> ParsedExport:
 def _survey_marks(table: Table) -> Marks:
     place = column(table, "playback")
     stalled = pd.Series(False, index=table.cells.index) if place is None else ~table.cells[place].isin(("", SMOOTH))
-    people = {"partial": says(table, (UNSUBMITTED,), "status"), FAILED_CHECK: says(table, (FAILED_CHECK,), "status")}
+    reasons = (FAILED_CHECK, SPEEDER, STRAIGHTLINER)
+    people = {reason: says(table, (reason,), "status") for reason in reasons}
+    people["partial"] = says(table, (UNSUBMITTED,), "status")
     return Marks(people, {"playback": stalled})
 
 
@@ -88,7 +91,7 @@ def _excluded_by_survey(table: Table, known: Known) -> Iterator[Rejected]:
 
 def _row_left_out(table: Table, row: int, cell: str, value: str, reason: str) -> Rejected:
     file = table.file if table.origins is None else table.files[table.origins[row]]
-    return Rejected(file, int(table.lines[row]), cell, value, f"left out: {reason}")
+    return Rejected(file, int(table.lines[row]), cell, value, f"{LEFT_OUT}{reason}")
 
 
 def recognizes_long(table: Table, known: Known) -> bool:
@@ -159,7 +162,7 @@ def read_long(
     order, position = _positions(shown, known, form, people.ids[rows].reset_index(drop=True), video)
     answers = answers_long(
         shown, people.ids[rows].reset_index(drop=True), video, texts_of(shown, roles.answers), position
-    )
+    ).assign(**measured(shown))
     return ParsedExport(
         answers,
         _groups(table, known, people, roles, form, order),
