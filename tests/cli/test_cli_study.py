@@ -13,7 +13,11 @@ EMOTIONS = ["happiness", "surprise", "anger", "fear", "disgust", "sadness"]
 FILES = {
     *("results.json", "report.html", "responses_tidy.csv", "rejected.csv", "tests.csv", "tests.tex", "files.sha256"),
     *(f"confusion_matrix.{suffix}" for suffix in ("csv", "md", "tex")),
-    *(f"{name}.{suffix}" for name in ("confusion-matrix", "circumplex") for suffix in ("pdf", "png")),
+    *(
+        f"{name}.{suffix}"
+        for name in ("participant-flow", "confusion-matrix", "circumplex")
+        for suffix in ("pdf", "png")
+    ),
     *(f"accuracy-{name}.{suffix}" for name in ("gender", "robotics-background") for suffix in ("pdf", "png")),
 }
 
@@ -95,7 +99,7 @@ def test_published_matrix_is_analyzed_without_answers(tmp_path, capsys) -> None:
     again = json.loads((tmp_path / "again/results.json").read_text())
     assert first["counts"] == again["counts"]
     assert {path.name for path in (tmp_path / "r").iterdir()} == {
-        name for name in FILES if not name.startswith(("accuracy", "responses", "rejected"))
+        name for name in FILES if not name.startswith(("accuracy", "responses", "rejected", "participant"))
     }
 
 
@@ -319,6 +323,8 @@ def test_compare_reports_several_answers_to_an_emotion(tmp_path, capsys) -> None
     (tmp_path / "key.csv").write_text("video_code,true_emotion\na,fear\nb,fear\nc,anger\n")
     assert main(["study", "analyze", "x.csv", "--key", "key.csv", "--labels", "fear,anger", "-o", "r", "-q"]) == 0
     assert main(["study", "compare", "r", "r"]) == 0
+    assert "participants shuffled over the studies" in capsys.readouterr().out
+    assert main(["study", "compare", "r", "r/confusion_matrix.csv"]) == 0
     assert "r: participants gave several answers to an emotion" in capsys.readouterr().out
 
 
