@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import emovid
+from emovid.errors import InputError
 from tests.helpers.tiny import write_study
 
 ROOT = Path(__file__).parent.parent
@@ -114,3 +115,23 @@ def test_study_is_planned_and_its_kit_built(tmp_path) -> None:
     built = emovid.build_kit(write_study(tmp_path), tmp_path / "kit", participants=6, seed=5)
     assert built.participants == 6
     assert (tmp_path / "kit" / "public").is_dir()
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: emovid.load_scene("anger", ["robot.l=0.01"]), "expected settings as in"),
+        (lambda: emovid.load_scene("anger", "robot.l=0.01"), "expected settings as in"),
+        (lambda: emovid.load_scene(None), "expected the name of an emotion, or of a scene file"),
+        (lambda: emovid.render_video("anger", "a.mp4"), "'anger' is not a trajectory"),
+        (lambda: emovid.plan_study(rate="0.5"), "rate: '0.5': expected a share from 0 to 1"),
+        (lambda: emovid.plan_study(rate=50), "rate: 50: expected a share from 0 to 1"),
+        (lambda: emovid.plan_study(choices=1), "choices: 1: expected at least 2"),
+        (lambda: emovid.simulate_responses(accuracy=50), "accuracy: 50: expected a share from 0 to 1"),
+        (lambda: emovid.simulate_responses(participants=0), "participants: 0: expected at least 1"),
+    ],
+)
+def test_invalid_arguments_raise_an_input_error(call, message) -> None:
+    with pytest.raises(InputError) as caught:
+        call()
+    assert message in str(caught.value)

@@ -123,9 +123,14 @@ def load_scene(source: str | Path, settings: Iterable[Setting] | Mapping[str, An
     Raises:
         SourceError: for a file that cannot be read or an invalid scene, with file, line and key.
     """
+    if not isinstance(source, str | Path):
+        raise SourceError(repr(source), "expected the name of an emotion, or of a scene file")
     path = find_scene(source)
     if isinstance(settings, Mapping):
         settings = [Setting(key, value, "") for key, value in settings.items()]
+    for setting in [settings] if isinstance(settings, str) else (settings := list(settings)):
+        if not isinstance(setting, Setting):
+            raise SourceError(repr(setting), 'expected settings as in {"robot.l": 0.002}')
     return parse_scene(read_text(path), str(path), settings, path.parent)
 
 

@@ -47,7 +47,11 @@ def analyze(responses: Responses, by: Sequence[str] = (), seed: int = 0, margin:
         )
     showings, uses = showings_of(responses), None
     levels = {name: len(levels_of(list(column))) for name, column in responses.participants.items()}
-    columns = list(by) or [name for name in responses.participants.columns if levels[name] <= MOST_LEVELS]
+    by = [by] if isinstance(by, str) else list(by)
+    for name in by:
+        if name not in levels:
+            raise InputError(f"by: {name}: the participants have no such group; found {', '.join(levels) or 'none'}")
+    columns = by or [name for name in responses.participants.columns if levels[name] <= MOST_LEVELS]
     several = _several(showings)
     if several:
         uses = showings.by_emotion()

@@ -45,6 +45,8 @@ def render_video(
         InputError: if the name does not end like the format's files, or a sequence would replace something else.
         RenderError: if the video cannot be made.
     """
+    if not isinstance(trajectory, Trajectory):
+        raise InputError(f"render_video: {trajectory!r} is not a trajectory; expected the result of simulate(scene)")
     scene = trajectory.scene
     suffix = FORMATS[scene.video.format].suffix
     if suffix and Path(target).suffix.lower() not in ("", suffix):

@@ -54,6 +54,10 @@ def build_kit(
 
 def simulate_responses(participants: int = 45, accuracy: float = ACCURACY, seed: int = 0) -> pd.DataFrame:
     """Return the answers of simulated participants: participant, video, position, response; a row for each answer."""
+    if participants < 1:
+        raise InputError(f"participants: {participants}: expected at least 1")
+    if not 0 <= accuracy <= 1:
+        raise InputError(f"accuracy: {accuracy}: expected a share from 0 to 1")
     return simulated_answers(Rehearsal(participants, accuracy, seed=seed))
 
 

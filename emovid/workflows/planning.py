@@ -36,6 +36,11 @@ def plan_study(rate: float = 0.4, choices: int = 6, videos: int = 6, alpha: floa
     Raises:
         InputError: for numbers out of range.
     """
+    for name, share in (("rate", rate), ("alpha", alpha), ("power", power)):
+        if not isinstance(share, int | float) or not 0 <= share <= 1:
+            raise InputError(f"{name}: {share!r}: expected a share from 0 to 1")
+    if choices < 2:
+        raise InputError(f"choices: {choices}: expected at least 2")
     try:
         return plan(rate, choices, videos, alpha, power)
     except ValueError as error:
