@@ -154,10 +154,13 @@ def test_output_that_is_not_a_folder_is_refused_before_writing(command, name, ca
 
 
 def test_folder_that_cannot_be_written_to_is_named(monkeypatch, capsys) -> None:
-    def deny(path: Path, *_: object, **__: object) -> None:
-        raise PermissionError(13, "Permission denied", str(path))
+    make = Path.mkdir
 
-    Path("out").mkdir()
+    def deny(path: Path, *given: object, **options: object) -> None:
+        if path.name.startswith("."):  # the folder of unfinished results
+            raise PermissionError(13, "Permission denied", str(path))
+        make(path, *given, **options)
+
     monkeypatch.setattr(Path, "mkdir", deny)
     assert main(["render", "ring.yaml", "-o", "out/x.mp4", *SMALL]) == 1
     assert capsys.readouterr().err == "out: cannot be written to: permission denied: choose another folder\n"
