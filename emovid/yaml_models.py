@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Iterator, Mapping
+from difflib import get_close_matches
 from math import isfinite
 from pathlib import Path
 from types import NoneType
@@ -96,9 +97,12 @@ def _problem(item: Mapping[str, Any], root: type[BaseModel]) -> tuple[KeyPath, s
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         key = context["discriminator"].strip("'")
         expected = _tags(item["loc"], key, root)
-        if kind == "union_tag_not_found":
-            return (*path, key), f"missing; expected {_one_of(expected)}"
-        return (*path, key), _wrong_word(given[key], expected)
+        if kind == "union_tag_invalid":
+            return (*path, key), _wrong_word(given[key], expected)
+        close = get_close_matches(key, map(str, given), n=1, cutoff=0.7)
+        if close:
+            return (*path, close[0]), f"unknown key (did you mean {'.'.join(map(str, (*path, key)))}?)"
+        return (*path, key), f"missing; expected {_one_of(expected)}"
     if kind == "literal_error":
         words = context["expected"].replace("' or '", "', '").strip("'").split("', '")
         return path, _wrong_word(given, [*words, *_null(item["loc"], root)])

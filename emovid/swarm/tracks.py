@@ -24,7 +24,7 @@ from emovid.scene.video import Video
 from emovid.swarm.arrays import Array, Mask
 from emovid.swarm.trajectory import RecordedTrajectory, Trajectory
 from emovid.yaml_models import Keys, inconsistent, source_error
-from emovid.yaml_source import read_yaml
+from emovid.yaml_source import place_of, read_yaml
 
 SUFFIX = ".track.yaml"
 _TIMED = ("emovid", "mcap")  # formats that always have times in seconds
@@ -127,6 +127,8 @@ def load_track(source: Path, settings: tuple[Setting, ...] = ()) -> RecordedTraj
     except ValidationError as error:
         raise source_error(error, places, Track) from None
     t, poses = _gathered(_READERS[track.format](source.parent / track.file, track), track, source)
+    if fault := _scale_fault(poses[..., :2], track):
+        raise SourceError(place_of(("scale",), places), fault, key="scale")
     try:
         return Trajectory.from_poses(
             t, poses, body=track.robot, stage=track.stage, emotion=track.emotion, video=track.video,
@@ -187,16 +189,35 @@ def _fill(values: Array, t: Array, missing: Mask, track: Track, names: list[str]
         gap = np.flatnonzero(missing[:, i])
         if not len(gap):
             continue
-        where = f"{source}: {track.file}: robot {name} has no position at {t[gap[0]]:.6g} s"
+        file = f"{source}: {track.file}" if is_track(source) else str(source)
+        where = f"{file}: robot {name} has no position at {t[gap[0]]:.6g} s; "
         if track.gaps == "refuse":
-            raise InputError(f"{where}; expected all positions, or gaps: interpolate")
+            described = "" if is_track(source) else f" in a description of the file, NAME{SUFFIX}"
+            raise InputError(f"{where}expected all positions, or gaps: interpolate{described}")
         if not len(known) or missing[0, i] or missing[-1, i]:
             first, last = (f"{t[k]:.6g}" for k in (whole[[0, -1]] if len(whole) else (0, -1)))
             remedy = f"expected start and end where all have one, such as {first} and {last} s" if len(whole) else ""
-            raise InputError(f"{where}; gaps at the start or end cannot be interpolated{remedy and '; ' + remedy}")
+            raise InputError(f"{where}gaps at the start or end cannot be interpolated{remedy and '; ' + remedy}")
         for axis in (0, 1):
             values[gap, i, axis] = np.interp(t[gap], t[known], values[known, i, axis])
         values[gap, i, 2] = np.nan
+
+
+def _scale_fault(points: Array, track: Track) -> str | None:
+    """Return why positions (T, N, 2) [m] cannot be right: bodies all in one place, or a swarm never on its stage."""
+    extent = float(np.ptp(points, axis=(0, 1)).max())
+    if points.shape[1] > 1 and extent < track.robot.width:
+        return (
+            f"{track.scale:g}: all positions of {points.shape[1]} robots are within {1000 * extent:.3g} mm, and one "
+            f"robot is {1000 * track.robot.width:.3g} mm wide; expected meters per unit of the file"
+        )
+    x, y = points[..., 0], points[..., 1]
+    if not np.all([edge.x * x + edge.y * y <= edge.offset for edge in track.stage.edges], axis=0).any():
+        return (
+            f"{track.scale:g}: no position is on the stage: x from {x.min():.3g} to {x.max():.3g} m, y from "
+            f"{y.min():.3g} to {y.max():.3g} m; expected another scale, origin, y or stage"
+        )
+    return None
 
 
 def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
@@ -239,7 +260,9 @@ def _long(path: Path, names: Mapping[str, str], optional: Mapping[str, str] | No
     place = {key: head.index(name) for key, name in {**names, **(optional or {})}.items() if name in head}
     for key, name in names.items():
         if key not in place:
-            raise InputError(f"{path}: no column {name!r}{nearest(name, head)}; it has {', '.join(head) or 'none'}")
+            commas = "; expected commas between columns" if len(head) == 1 and {";", "\t"} & set(head[0]) else ""
+            has = commas or f"{nearest(name, head)}; it has {', '.join(head) or 'none'}"
+            raise InputError(f"{path}: no column {name!r}{has}")
     samples: Samples = {}
     for line, row in rows:
         cells = dict(zip_longest(range(len(head)), row, fillvalue=""))

@@ -30,7 +30,8 @@ def paper_figure(name: str, study: str | Path | None = None) -> Figure:
     entry = CATALOGUE.get(name)
     if entry is None or entry.data is not None:
         figures = [known for known, found in CATALOGUE.items() if found.data is None]
-        raise InputError(f"{name}: no such figure{nearest(name, figures)}")
+        remedy = nearest(name, figures) or f"; expected one of {', '.join(figures)}"
+        raise InputError(f"{name}: no such figure{remedy}")
     results = Path(study) if study is not None else None
     return entry.figure(Material((), {STUDY: lambda _: study_results(results), MEASURES: measures_of}))
 

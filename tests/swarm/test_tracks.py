@@ -54,6 +54,31 @@ def test_long_csv_is_read(tmp_path, frames) -> None:
     expect_motion(load_track(track))
 
 
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({"scale": 2e-6}, r"within 0\.\d+ mm, and one robot is 3\d(\.\d)? mm wide"),
+        ({"scale": 2.0, "origin": {"x": -300, "y": 200}}, "no position is on the stage"),
+    ],
+)
+def test_impossible_scales_are_refused(tmp_path, keys, message) -> None:
+    long_csv(tmp_path / "real.csv")
+    track = described(tmp_path, file="real.csv", format="long", columns={"time": "sec"}, **keys)
+    with pytest.raises(SourceError, match=message) as error:
+        load_track(track)
+    assert error.value.key == "scale"
+
+
+def test_csv_with_semicolons_or_a_missing_position_gets_a_remedy(tmp_path) -> None:
+    scene = load_scene("anger")
+    (tmp_path / "semi.csv").write_text("time;robot;x;y\n0;0;0;0\n")
+    with pytest.raises(InputError, match=r"semi\.csv: no column 'time'; expected commas between columns"):
+        load_positions(tmp_path / "semi.csv", scene)
+    (tmp_path / "gap.csv").write_text("time,robot,x,y\n0,0,0,0\n1,0,0,0\n1,1,0.1,0\n")
+    with pytest.raises(InputError, match=r"^\S*gap\.csv: robot 1 has no position at 0 s; .*NAME\.track\.yaml$"):
+        load_positions(tmp_path / "gap.csv", scene)
+
+
 def test_deeplabcut_files_with_one_body_part_or_several_individuals_are_read(tmp_path) -> None:
     x, y = pixels()
     heads = [
