@@ -90,6 +90,8 @@ def read_yaml(text: str, where: str, what: str = "scene", as_words: bool = False
         problem = " ".join(str(error.problem or error.context).split()).removeprefix("but ")
         if "'\\t'" in problem:
             problem = "a tab; expected spaces"
+        elif "'?'" in problem:
+            problem += "; text with a question mark inside { } or [ ] needs quotes"
         raise SourceError(f"{where}{line}", f"not YAML: {problem}") from None
     except yaml.YAMLError as error:
         raise SourceError(where, f"not YAML: {str(error).splitlines()[0]}") from None

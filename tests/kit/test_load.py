@@ -217,3 +217,12 @@ def test_binary_file_is_refused(tmp_path) -> None:
         load_study(tmp_path)
     with pytest.raises(EmovidError, match="cannot be read: no such file"):
         load_study(tmp_path / "nowhere")
+
+
+def test_commented_translation_of_the_example_is_yaml_once_uncommented() -> None:
+    text = (EXAMPLE / "study.yaml").read_text(encoding="utf-8")
+    before, rest = text.split("translations: {}", 1)
+    example, after = rest.split("\nauthors:", 1)
+    lines = [line.removeprefix("# ").removeprefix("#") for line in example.splitlines()[1:]]
+    values, _ = read_yaml("\n".join([f"{before}translations:", *lines, f"authors:{after}"]), "study.yaml")
+    assert values["translations"]["de"]["questions"]["gender"]["question"] == "Was ist Ihr Geschlecht?"

@@ -300,3 +300,10 @@ def test_tabs_are_accepted_before_comments_at_line_ends_and_between_words() -> N
 def test_tab_as_indentation_is_named(text) -> None:
     with pytest.raises(SourceError, match=r"^x:\d: not YAML: a tab; expected spaces$"):
         read_yaml(text, "x")
+
+
+def test_question_mark_inside_braces_is_reported_with_its_remedy() -> None:
+    with pytest.raises(
+        SourceError, match=r"^x:1: not YAML: .*text with a question mark inside \{ \} or \[ \] needs quotes$"
+    ):
+        read_yaml("a: {b: Why?, c: d}\n", "x")
