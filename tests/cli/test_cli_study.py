@@ -38,6 +38,12 @@ def reference(tmp_path_factory) -> Path:
     return folder
 
 
+@pytest.fixture
+def blank_figures(monkeypatch) -> None:
+    """Write empty files in place of figures, where a test looks at other results."""
+    monkeypatch.setattr("emovid.workflows.analysis.encoded", lambda _, kind, __: b"<svg/>" if kind == "svg" else b"")
+
+
 def test_results_folder_has_the_documented_files(reference) -> None:
     assert {path.name for path in reference.iterdir()} == FILES
 
@@ -69,6 +75,7 @@ def test_two_analyzes_give_identical_bytes(reference, tmp_path) -> None:
         assert (tmp_path / "again" / name).read_bytes() == (reference / name).read_bytes(), name
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_the_terminal_shows_matrix_tests_and_warnings(capsys, tmp_path) -> None:
     deep = tmp_path / ("a long folder " * 8)  # wider than a terminal: a line must stay a line
     shutil.copytree(REFERENCE, deep)
@@ -78,6 +85,7 @@ def test_the_terminal_shows_matrix_tests_and_warnings(capsys, tmp_path) -> None:
         assert words in said
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_blinded_codes_are_joined_with_their_key(tmp_path, capsys) -> None:
     codes = {name: f"x{i}q" for i, name in enumerate(EMOTIONS)}
     lines = (REFERENCE / "responses.csv").read_text().splitlines()
@@ -92,6 +100,7 @@ def test_blinded_codes_are_joined_with_their_key(tmp_path, capsys) -> None:
     assert len(results["provenance"]["key_sha256"]) == 64
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_published_matrix_is_analyzed_without_answers(tmp_path, capsys) -> None:
     assert main(["study", "analyze", "--counts", str(REFERENCE / "counts.csv"), "-o", "r"]) == 0
     first = json.loads((tmp_path / "r/results.json").read_text())
@@ -103,6 +112,7 @@ def test_published_matrix_is_analyzed_without_answers(tmp_path, capsys) -> None:
     }
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_simulated_participants_are_analyzed_like_people(tmp_path, capsys) -> None:
     options = [
         "--participants",
@@ -125,6 +135,7 @@ def test_simulated_participants_are_analyzed_like_people(tmp_path, capsys) -> No
     assert len((tmp_path / "n.csv").read_text().splitlines()) == 1 + 45 * 6
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_replication_is_compared_with_the_original(capsys) -> None:
     main(["study", "simulate", "-o", "m.csv", "--accuracy", "0.2", "--participants", "60"])
     main(["study", "analyze", "m.csv", "-o", "r", "--quiet"])
@@ -158,6 +169,7 @@ def test_studies_with_different_labels_are_not_compared(tmp_path, capsys) -> Non
     assert capsys.readouterr().err == "b.csv: other labels than a.csv: expected fear, anger\n"
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_unusable_answers_are_refused_or_shown_in_groups(tmp_path, capsys) -> None:
     rows = "".join(f"p{i},anger,meh\np{i},fear,{('fear', 'anger')[i % 2]}\n" for i in range(203))
     others = "".join(f"q{i},fear,word{i}\n" for i in range(25))
@@ -180,6 +192,7 @@ def test_unusable_answers_are_refused_or_shown_in_groups(tmp_path, capsys) -> No
     assert (tmp_path / "results" / "rejected.csv").read_text().count("\n") == 255
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_analysis_replaces_only_its_own_files(tmp_path, capsys) -> None:
     (tmp_path / "a.csv").write_text("perceived,fear,anger\nfear,5,1\nanger,1,4\n")
     answers = "".join(f"p{i},fear,{('fear', 'anger')[i % 2]},{'fm'[i % 2]}\n" for i in range(6))
@@ -207,6 +220,7 @@ def test_the_map_has_a_schema(capsys) -> None:
     assert {"participant", "truth", "rows", "repeats"} <= set(schema["properties"])
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_results_of_an_analysis_are_not_read_as_exports(tmp_path, capsys) -> None:
     exports = tmp_path / "exports"
     exports.mkdir()
@@ -236,6 +250,7 @@ def test_results_of_an_analysis_are_not_read_as_exports(tmp_path, capsys) -> Non
     assert json.loads(capsys.readouterr().out)["n_participants"] == 45
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_results_json_of_another_program_does_not_hide_exports(tmp_path, capsys) -> None:
     shutil.copy(REFERENCE / "responses.csv", tmp_path / "tests.csv")
     for text in ("{}", "[1]", "{"):
@@ -244,6 +259,7 @@ def test_results_json_of_another_program_does_not_hide_exports(tmp_path, capsys)
         assert json.loads(capsys.readouterr().out)["n_participants"] == 45
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_inferred_participant_column_is_reported(tmp_path, capsys) -> None:
     lines = (REFERENCE / "responses.csv").read_text().splitlines()
     (tmp_path / "x.csv").write_text("\n".join([lines[0].replace("participant", "Code"), *lines[1:]]))
@@ -317,6 +333,7 @@ def test_simulated_answers_are_marked_in_all_outputs(tmp_path, capsys) -> None:
     assert "\nRECONSTRUCTED: these are not the answers of real participants\n" in capsys.readouterr().out
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_compare_reports_several_answers_to_an_emotion(tmp_path, capsys) -> None:
     rows = "".join(f"p{i},{v},{('fear', 'anger')[(i + j) % 2]}\n" for i in range(8) for j, v in enumerate("abc"))
     (tmp_path / "x.csv").write_text(f"participant,video,response\n{rows}")
@@ -339,6 +356,7 @@ def test_the_schema_of_results_is_kept(reference, capsys) -> None:
     assert json.loads(capsys.readouterr().out)["title"] == "emovid study"
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_equivalence_needs_a_margin(tmp_path, capsys) -> None:
     for margin, said in (
         (None, "compatible with differences up to"),
