@@ -49,8 +49,10 @@ def kit(request, tmp_path_factory, fresh) -> Kit:
 
 def draft(kit: Kit, name: str = "preregistration.md") -> str:
     tool = "checklist" if name == "checklist.md" else "prereg"
-    export(kit, tool)
-    return (kit.folder.exports / tool / name).read_text()
+    file = kit.folder.exports / tool / name
+    if not file.exists():  # a kit keeps its drafts for all tests
+        export(kit, tool)
+    return file.read_text()
 
 
 def fields(text: str) -> dict[str, str]:
