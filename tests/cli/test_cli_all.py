@@ -6,6 +6,8 @@ import shlex
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -267,10 +269,16 @@ def test_results_on_a_terminal_have_no_colors_when_disabled(tmp_path) -> None:
 def completed(line: str, cwd: Path) -> list[str]:
     """Return the completions of bash for the last word of a line."""
     words = line.split(" ")
-    environment = {"_EMOVID_COMPLETE": "complete_bash", "COMP_WORDS": line, "COMP_CWORD": str(len(words) - 1)}
-    done = subprocess.run(LAUNCH, cwd=cwd, env=os.environ | environment, capture_output=True, text=True, check=True)
-    assert done.stderr == ""
-    return done.stdout.split()
+    said, complained = StringIO(), StringIO()
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(said), redirect_stderr(complained):
+        patch.chdir(cwd)
+        patch.setenv("_EMOVID_COMPLETE", "complete_bash")
+        patch.setenv("COMP_WORDS", line)
+        patch.setenv("COMP_CWORD", str(len(words) - 1))
+        with pytest.raises(SystemExit, match="0"):
+            main([])
+    assert complained.getvalue() == ""
+    return said.getvalue().split()
 
 
 @pytest.fixture(scope="module")
