@@ -10,6 +10,7 @@ from emovid.errors import InputError
 from emovid.kit.audit import sets_of
 from emovid.kit.export import check_export, export
 from emovid.kit.exports.design import Status
+from emovid.kit.exports.limesurvey import language_code
 from emovid.kit.folder import Kit
 from tests.helpers.limesurvey import heading, links, rows_of, seen
 from tests.helpers.tiny import STUDY, make_kit_of_placeholders
@@ -135,6 +136,37 @@ def test_survey_in_another_language_has_no_english_headings(german) -> None:
     settings = {row["name"]: row["text"] for row in survey(german) if row["class"] == "S"}
     assert settings["showgroupinfo"] == "X"
     assert settings["language"] == "de"
+
+
+@pytest.mark.parametrize(
+    ("language", "code"),
+    [
+        ("en", "en"), ("de-AT", "de"), ("pt-br", "pt-BR"), ("es-MX", "es-MX"), ("no", "nb"), ("sw", "swh"),
+        ("zh", "zh-Hans"), ("zh-CN", "zh-Hans"), ("zh-TW", "zh-Hant-TW"), ("zh-Hant", "zh-Hant-TW"), ("eo", None),
+    ],
+)  # fmt: skip
+def test_languages_have_their_codes_in_limesurvey(language, code) -> None:
+    assert language_code(language) == code
+
+
+@pytest.mark.parametrize(
+    ("language", "code", "status"), [("zh", "zh-Hans", Status.CHANGED), ("eo", "en", Status.BY_HAND)]
+)
+def test_language_without_the_same_code_is_imported_and_listed(tmp_path, language, code, status) -> None:
+    kit = make_kit_of_placeholders(tmp_path, f"language: {language}\n{STUDY}")
+    rows = survey(kit)
+    assert [row["text"] for row in rows if (row["class"], row["name"]) == ("S", "language")] == [code]
+    assert {row["language"] for row in rows if row["class"] != "S"} == {code}
+    (part,) = (part for part in check_export(kit, "limesurvey") if part.name == "language")
+    assert part.support.status is status
+
+
+@pytest.mark.parametrize("name", ["this", "self", "that", "practice", "videoset"])
+def test_names_that_limesurvey_or_the_reader_reserve_are_refused(tmp_path, name) -> None:
+    about = f'demographics:\n  - {{name: {name}, question: "How much?"}}\n'
+    kit = make_kit_of_placeholders(tmp_path, re.sub(r"demographics:\n.*\n", about, STUDY))
+    with pytest.raises(InputError, match=f"{name} is a reserved name"):
+        survey(kit)
 
 
 def test_answers_in_random_order_are_random(german, sets) -> None:

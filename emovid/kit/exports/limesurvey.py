@@ -7,6 +7,7 @@ from emovid.errors import InputError
 from emovid.kit.exports.design import (
     CHECKS,
     CHOICES,
+    LANGUAGE,
     ORDERS,
     RECRUITMENT,
     REQUIREMENTS,
@@ -44,6 +45,17 @@ _COLUMNS = (
 )  # fmt: skip
 _AGREED = "consent.NAOK == 'Y'"  # in LimeSurvey's ExpressionScript
 _SET = "videoset"
+# Names of questions that LimeSurvey renames on import, and names of this export's own questions.
+_RESERVED = ("self", "that", "this", "practice", _SET)
+# Codes of LimeSurvey's languages: the file surveytranslator_helper.php of its source.
+_LANGUAGES = (
+    "af am ar az be bg bn bs ca ceb ckb cnr cs cy da de el en es et eu fa fi fil fr gl gu he hi hil hr hu hy id ie "
+    "ike ilo is it ja ka kal kk kmr kn ko ky lb lt lv mk ml mn mr ms mt mya nb nl nn ny oc pa pl prs ps pt ro roh ru "
+    "run rw sah si sk sl smi so sq sr sv swh ta te tg th ti tl tr ug uk ur vi xho yor zu "
+    "es-AR es-CL es-CO es-MX pt-BR sr-Latn zh-Hans zh-Hant-HK zh-Hant-TW"
+)
+_OTHER_CODES = {"zh": "zh-Hans", "zh-TW": "zh-Hant-TW", "zh-Hant": "zh-Hant-TW", "zh-HK": "zh-Hant-HK"}
+_OTHER_CODES |= {"no": "nb", "sw": "swh", "ku": "kmr", "my": "mya", "ga": "ie"}
 
 Row = dict[str, object]
 
@@ -60,6 +72,11 @@ def limits(kit: Kit) -> Limits:
         found[SETS] = changed(f"The hidden question {_SET} draws a set for each participant: equal only on average.")
     if len(sets_of(kit.orders.values())) > 1 and kit.manifest.checks:
         found[CHECKS] = changed("Their places count the groups of all sets, of which a participant sees some.")
+    language = kit.manifest.language
+    if (code := language_code(language)) is None:
+        found[LANGUAGE] = by_hand(f"LimeSurvey has no language {language}: its own buttons and messages are English.")
+    elif code != language:
+        found[LANGUAGE] = changed(f"LimeSurvey's code is {code}.")
     if kit.manifest.recruitment:
         note = "Settings, Panel integration: add the parameters. In the return link, write {PASSTHRU:NAME} for {NAME}."
         found[RECRUITMENT] = by_hand(note)
@@ -74,7 +91,7 @@ def limesurvey(kit: Kit, video_url: str) -> Files:
     """Return the structure file, with the videos at an address, and a README.
 
     Raises:
-        InputError: if two questions would get the same name.
+        InputError: if two questions would get the same name, or a question a reserved one.
     """
     manifest = kit.manifest
     rows = [*_settings(kit), *_first_groups(kit), *_practice(manifest, video_url)]
@@ -90,13 +107,16 @@ def limesurvey(kit: Kit, video_url: str) -> Files:
     if manifest.questions_after:
         rows.append({"class": "G", "name": "Last questions", "relevance": _AGREED})
         rows += [row for question in manifest.questions_after for row in _question(question)]
+    for question in (*manifest.demographics, *manifest.questions_after):
+        if question.name in _RESERVED:
+            raise InputError(f"{kit.folder.manifest}: {question.name} is a reserved name in this export; rename it")
     names = [str(row["name"]) for row in rows if row["class"] == "Q"]
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"{kit.folder.manifest}: two questions would be called {name}; rename that of the study")
     words = {_escaped(choice.text): choice.label for choice in manifest.choices.labels} | _codes(manifest)
     return {
-        "survey.txt": _table(rows, manifest.language),
+        "survey.txt": _table(rows, language_code(manifest.language) or "en"),
         "map.yaml": manifest.map_yaml(words),
         "README.md": template("limesurvey.md", title=manifest.title, left=listed(design_of(kit, limits(kit)))),
     }
@@ -105,6 +125,15 @@ def limesurvey(kit: Kit, video_url: str) -> Files:
 def question_name(name: str) -> str:
     """Return a name in LimeSurvey, which allows only letters and digits: `age_1` becomes ageU1, `age1` stays."""
     return name.replace("_", "U")  # names in studies are lowercase
+
+
+def language_code(language: str) -> str | None:
+    """Return LimeSurvey's code of a language such as zh or pt-BR, or None if it does not have that language."""
+    known = {code.casefold(): code for code in _LANGUAGES.split()}
+    known |= {code.casefold(): other for code, other in _OTHER_CODES.items()}
+    parts = language.casefold().split("-")
+    tags = ("-".join(parts[:count]) for count in range(len(parts), 0, -1))
+    return next((known[tag] for tag in tags if tag in known), None)
 
 
 def _settings(kit: Kit) -> list[Row]:
@@ -121,7 +150,7 @@ def _settings(kit: Kit) -> list[Row]:
     declined += way_back(manifest, server.declined.code, server.declined.link, _escaped)
     end = f"{{if({_AGREED}, {agreed}, '{declined}')}}"
     return [
-        {"class": "S", "name": "language", "text": manifest.language},
+        {"class": "S", "name": "language", "text": language_code(manifest.language) or "en"},
         {"class": "S", "name": "format", "text": "G"},
         {"class": "S", "name": "allowprev", "text": "Y"},
         {"class": "S", "name": "showgroupinfo", "text": "X"},  # groups are named for researchers, in English
