@@ -92,6 +92,8 @@ def read_yaml(text: str, where: str, what: str = "scene", as_words: bool = False
             problem = "a tab; expected spaces"
         elif "'?'" in problem:
             problem += "; text with a question mark inside { } or [ ] needs quotes"
+        elif "<block end>" in problem or "simple key" in problem or "mapping values" in problem:
+            problem = "this line or the one before it has a wrong indentation, or lacks its colon"
         raise SourceError(f"{where}{line}", f"not YAML: {problem}") from None
     except yaml.YAMLError as error:
         raise SourceError(where, f"not YAML: {str(error).splitlines()[0]}") from None

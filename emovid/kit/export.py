@@ -130,7 +130,9 @@ def _warnings(parts: Sequence[DesignPart], tool: str, video_url: str) -> tuple[s
         raise InputError(f"--to {tool}: cannot carry the design: {reasons}")
     found = []
     if tool in _BY_ADDRESS and video_url == _HERE:
-        found.append("no --video-url: the survey names videos/CODE.mp4, which no server has; export again with it")
+        found.append(
+            "no --video-url: the survey names videos/CODE.mp4, which no server has; export with it and --force"
+        )
     for status in (Status.BY_HAND, Status.CHANGED, Status.MISSING):
         names = [part.name for part in parts if part.support.status is status]
         if names:

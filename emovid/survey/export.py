@@ -190,11 +190,11 @@ def progress_of(store: Store, rows: Sequence[str], codes: Sequence[str], release
         codes: codes of the videos.
         release: seconds without activity after which a participant counts as abandoned.
     """
-    people = [person for person, _ in store.participants()]
+    people, shown_codes = [person for person, _ in store.participants()], set(codes)
     counts = Counter(status_of(person, store.clock(), release) for person in people)
     done = [person for person in people if person.submitted is not None]
     taken = Counter(person.order_row for person in done)
-    orders = [tuple(code for code in person.videos if code in set(codes)) for person in done]
+    orders = [tuple(code for code in person.videos if code in shown_codes) for person in done]
     shown = max(map(len, orders), default=len(codes))
     balance = balance_of(orders, codes, shown)
     return SurveyProgress(
@@ -204,7 +204,7 @@ def progress_of(store: Store, rows: Sequence[str], codes: Sequence[str], release
         complete=counts[COMPLETE],
         began=sum(bool(person.answers) for person in people),
         withdrawn=store.withdrawals(),
-        answers=sum(len(person.answers) for person in people),
+        answers=sum(person.videos[place - 1] in shown_codes for person in people for place in person.answers),
         rows={row: taken[row] for row in rows},
         places=balance.places_range,
         neighbors=balance.pairs_range,

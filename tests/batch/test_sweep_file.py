@@ -217,7 +217,8 @@ WRONG = {
     "scenes: [anger]\nseeds: [1, 1]": "sweep.yaml: items 1 and 2 are the same scene: scene anger, seed 1",
     "scenes: [anger]\nseeds: 1000\ngrid: {robot.K: {from: 1, to: 2, count: 1000}}": "sweep.yaml: 1000000 items: at "
     "most 100000",
-    "scenes: [anger]\n  - x": "sweep.yaml:2: not YAML: expected <block end>, but found '<block sequence start>'",
+    "scenes: [anger]\n  - x": "sweep.yaml:2: not YAML: this line or the one before it has a wrong indentation, or "
+    "lacks its colon",
 }  # fmt: skip
 
 

@@ -181,6 +181,7 @@ def test_recruitment_ids_are_stored_separately_and_returned(come, answers, every
     assert 'href="https://example.org/back?pid=p%201%26x"' in thanks
     assert 'data-seconds="5"' in thanks
     assert "C0MPLETE" in thanks
+    assert 'id="another"' not in thanks  # they are at a computer of their own
     assert "This was about motion." in thanks
     assert answers.recruits() == [({name: RECRUIT[name] for name in list(RECRUIT)[:3]}, "finished")]
     with answers._data.reading() as sql:
