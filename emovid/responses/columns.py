@@ -11,6 +11,7 @@ The cells decide, names only break ties. In a table with one row for each answer
 """
 
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeAlias
@@ -132,9 +133,8 @@ def share(table: Table, place: int, test: Callable[[str], bool]) -> float:
     """
     cells = table.cells[place]
     filled = cells[cells != ""]
-    sample = filled.iloc[:: max(1, len(filled) // _SAMPLE)]
-    counts = sample.value_counts()
-    passed = sum(int(count) for word, count in counts.items() if test(str(word)))
+    sample = filled.iloc[:: max(1, len(filled) // _SAMPLE)].tolist()
+    passed = sum(count for word, count in Counter(sample).items() if test(str(word)))
     return passed / len(sample) if len(sample) else 0.0
 
 

@@ -3,6 +3,7 @@
 import re
 import unicodedata
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 
 from emovid.errors import SourceError, quoted
 from emovid.responses.responses import EMOTIONS
@@ -107,6 +108,7 @@ class Labels:
         return self._words
 
 
+@lru_cache(maxsize=10_000)
 def plain(text: str) -> str:
     """Return text in lower case, with one space instead of each run of characters other than letters and digits."""
     folded = unicodedata.normalize("NFKC", text).casefold()
