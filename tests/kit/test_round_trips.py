@@ -113,9 +113,9 @@ def test_qualtrics_answers_are_read_back(kit, given, tmp_path, numbers) -> None:
     assert set(found["groups"]) == {"age"}
 
 
-@pytest.mark.parametrize("component", ["button", "mouse", "slider"])
+@pytest.mark.parametrize("component", ["button", "mouse", "slider", "keyboard"])
 def test_psychopy_answers_are_read_back(kit, given, tmp_path, component) -> None:
-    """PsychoPy writes a BOM, a comma at the end of each line, and one file for each participant."""
+    """PsychoPy writes a BOM, a comma at the end of each line, a file for each participant, and rows of other pages."""
     folder = tmp_path / "data"
     folder.mkdir()
     labels = list_of_labels(kit)
@@ -127,13 +127,16 @@ def test_psychopy_answers_are_read_back(kit, given, tmp_path, component) -> None
             cells = {"trials.thisRepN": "0", "trials.thisTrialN": str(i), "trials.thisN": str(i), **row}
             cells |= answer_of(component, labels, said) | {"confidence.response": "4", "confidence.rt": "1.5"}
             cells |= {
+                "thisRow.t": "",
+                "notes": "",
                 "participant": who,
                 "date": "2026-11-30_10h00",
                 "expName": "robots",
                 "psychopyVersion": "2026.2.5",
             }
             lines.append(cells)
-        table = [list(lines[0]), *(list(line.values()) for line in lines)]
+        page = dict.fromkeys(lines[0], "") | {"participant": who, "psychopyVersion": "2026.2.5"}
+        table = [list(page), *(list(line.values()) for line in (page, *lines, page))]
         text = "".join(",".join(map(quoted, line)) + ",\n" for line in table)
         written(folder / f"{who}_robots_2026-11-30.csv", "\ufeff" + text)
     found = analyzed(kit, folder)
@@ -145,7 +148,17 @@ def answer_of(component: str, labels: list[str], said: str) -> dict[str, str]:
     if component == "button":
         clicked = {f"{label}.numClicks": "1" if label == said else "0" for label in labels}
         return clicked | {f"{label}.timesOn": "[2.5]" if label == said else "" for label in labels}
-    return {"answer.clicked_name": said} if component == "mouse" else {"answer.response": said, "answer.rt": "2.5"}
+    if component == "mouse":  # a list for each click
+        return {"mouse.x": "[0.1]", "mouse.leftButton": "[1]", "mouse.clicked_name": f"['{said}']"}
+    return {f"answer.{'keys' if component == 'keyboard' else 'response'}": said, "answer.rt": "2.5"}
+
+
+def test_psychopy_readme_has_the_settings_that_its_defaults_would_break(kit) -> None:
+    readme = (kit.folder.exports / "psychopy" / "README.md").read_text(encoding="utf-8")
+    assert f"enter the participant (`{next(iter(kit.orders))}`)" in readme
+    assert "Empty the field *Stop* of each component" in readme  # movies stop after one second by default
+    assert "isFinished" not in readme  # PsychoJS has no such attribute: the answers would never appear online
+    assert readme.count(", granularity 1;") == len(kit.manifest.ratings) == 3
 
 
 def quoted(cell: str) -> str:

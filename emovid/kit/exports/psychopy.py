@@ -37,10 +37,10 @@ def limits(kit: Kit) -> Limits:
         DECLINED: by_hand("After consent, end the experiment (thisExp.status = FINISHED), and show the text below."),
         INSTRUCTIONS: page,
         QUESTIONS: by_hand("Ask them in the dialog at the start (Experiment info), or in a routine with a Form."),
-        RATINGS: by_hand("Add a Slider for each, with the ticks and labels below, named after the rating."),
+        RATINGS: by_hand("Add a routine after the answer with a Slider for each, named after it, as described below."),
         CODE: by_hand("Show it in a routine at the end."),
         LINK: by_hand("Enter it as completed URL (Experiment settings, Online)."),
-        WATCHING: by_hand("Use movie.isFinished as the start condition of the answers."),
+        WATCHING: by_hand("Empty the field Stop of the Movie component, and tick Force end of Routine."),
         PRACTICE: by_hand("Add a routine before the loop with the video below."),
         CHECKS: by_hand("Add routines with the videos and questions below; leave the loop and enter it again."),
         AFTER: by_hand("Ask them in a routine with a Form after the loop."),
@@ -65,6 +65,7 @@ def psychopy(kit: Kit) -> Files:
     readme = template(
         "psychopy.md",
         title=manifest.title,
+        first=next(iter(kit.orders)),
         left=listed(design_of(kit, limits(kit))),
         question=manifest.question,
         answers="\n".join(f"- {choice.label}: {choice.text}" for choice in manifest.choices.labels),
@@ -77,7 +78,8 @@ def _texts(kit: Kit) -> dict[str, str]:
     """Return the texts of the routines to add, by heading."""
     manifest, consent, last = kit.manifest, kit.manifest.consent, kit.manifest.thanks
     ratings = {
-        rating.name: f"{rating.question}\n\nTicks 1 to {rating.steps}; labels: {rating.low}, {rating.high}"
+        rating.name: f"{rating.question}\n\n"
+        f"Ticks 1 to {rating.steps}, granularity 1; labels: {rating.low}, {rating.high}"
         for rating in manifest.ratings
     }
     questions = {
