@@ -222,6 +222,12 @@ def near(rng: Random) -> float:
     return rejects(near_neighbors(margins_only(rng), EMOTIONS, int(rng.integers(1_000_000))).p)
 
 
+def near_repeated(rng: Random) -> float:
+    """Return whether the test of near neighbors rejects when participants give each answer three times."""
+    found = showings(np.repeat(errors(rng, [0.5] * K), 3, axis=1), 3)
+    return rejects(near_neighbors(found.counts(), EMOTIONS, int(rng.integers(1_000_000)), found.by_emotion()).p)
+
+
 def replicated_moods(rng: Random) -> float:
     """Return whether the whole matrices of two studies differ, whose participants each prefer a label."""
     both = [np.stack(showings(guesses(rng, 30, alike=0.8)).by_emotion(), axis=2) for _ in range(2)]
@@ -268,6 +274,7 @@ COVERAGES = (
 MORE_SIZES = (
     ("Replication, whole matrix", "guessing, 80 % of answers a favorite: participants shuffled", 200, replicated_moods),
     ("Mutual information above 0", "guessing, 30 participants", 100, informative),
+    ("Near neighbors, sign flips", "even errors, each given to 3 videos of an emotion", 1000, near_repeated),
 )
 CASES = [
     Case(name, situation, nominal, runs, found)

@@ -205,7 +205,8 @@ def near_neighbors(test: NearNeighbors) -> str:
     said = f"mean distance {distance}\N{DEGREE SIGN}, {expected}\N{DEGREE SIGN} expected"
     if isnan(test.p):
         return f"{said}, cannot be tested: the margins fix the distance"
-    return f"{said}, {p_value(test.p, 'one-sided p')}" + _draws(test.draws)
+    how = ", errors of a participant taken together" if test.method == "sign flips" else ""
+    return f"{said}, {p_value(test.p, 'one-sided p')}" + _draws(test.draws) + how
 
 
 def _draws(draws: int) -> str:

@@ -148,7 +148,7 @@ def _of_matrix(
         expected_errors=errors.expected,
         adjusted_residuals=errors.residuals,
         collapsed={name: found for name, found in collapsed.items() if found.videos},
-        near_neighbours=near_neighbors(counts, labels, seed),
+        near_neighbours=near_neighbors(counts, labels, seed, uses),
         dependence=None,
         groups={},
         group_differences={},

@@ -18,7 +18,7 @@ Table = NDArray[np.float64]
 
 # Ours: the standard error of a p of 0.05 is then 0.003.
 NEAR_DRAWS = 3_999
-# Ours: of more errors than this, the normal curve serves as well, and the draws would take minutes.
+# Ours: of more errors, or participants with errors, the normal curve serves as well, and the draws would take minutes.
 MOST_SHUFFLED_ERRORS = 1_000
 _SWEEPS = 12  # through all errors; each swaps about half of them
 _ROUNDS, _CLOSE = 5_000, 1e-10  # of proportional fitting
@@ -122,8 +122,8 @@ class NearNeighbors:
         expected: mean of that under quasi-independence, given how many errors each video and each label has [degrees].
         p: one-sided, of a mean distance as small; NaN where the margins leave nothing to chance, as with two or three
             labels: the test cannot reject there.
-        method: of p, "Monte Carlo" or "normal".
-        draws, seed: of the Monte Carlo tables; 0 and None for "normal".
+        method: of p, "Monte Carlo", "normal", or "sign flips" where participants answered several videos of an emotion.
+        draws, seed: of the Monte Carlo tables or sign flips; 0 and None for "normal".
     """
 
     confusions: int
@@ -135,18 +135,23 @@ class NearNeighbors:
     seed: int | None
 
 
-def near_neighbors(counts: Counts, labels: Sequence[str], seed: int = 0) -> NearNeighbors:
+def near_neighbors(
+    counts: Counts, labels: Sequence[str], seed: int = 0, uses: Sequence[Counts] | None = None
+) -> NearNeighbors:
     """Return whether the confusions in `counts` (labels, signalled) fall on near neighbors of the circle.
 
     Errors swap their labels, so that the number of errors of each video and of each label stays, and no error becomes a
     right answer; a popular label in the middle of the others cannot pass for nearness. The swaps are a Markov chain
     whose p is exact however few there are (J. Besag and P. Clifford, Biometrika 76, 1989). Errors of one participant
-    count as independent.
+    count as independent there. Participants who answered several videos of an emotion repeat their errors, so with
+    `uses` the test flips the sign of each participant's part of the mean distance: what their errors add beyond both
+    margins (J. Hemerik, J. Goeman and L. Finos, JRSS B 82, 2020).
 
     Args:
         counts: rows perceived, the first of them the signaled labels in the order of the columns.
         labels: of the rows; those without a place, and "none", are left out.
-        seed: of the swaps.
+        seed: of the swaps or sign flips.
+        uses: for each column, how often each participant gave each label (participants, labels).
     """
     placed = [row for row, label in enumerate(labels) if label in ANGLES]
     columns = [row for row in placed if row < counts.shape[1]]
@@ -157,23 +162,38 @@ def near_neighbors(counts: Counts, labels: Sequence[str], seed: int = 0) -> Near
         return NearNeighbors(0, nan, nan, nan, "normal", 0, None)
     apart = distances([labels[row] for row in placed])[:, : len(columns)]
     expected, _ = _fitted(errors, free)
-    mean, by_chance, spread = (apart * errors).sum() / total, (apart * expected).sum() / total, _spread(apart, expected)
-    shuffled = total <= MOST_SHUFFLED_ERRORS
+    mean, by_chance = float((apart * errors).sum() / total), float((apart * expected).sum() / total)
+    beyond = _beyond_margins(apart, expected)
+    spread = np.sqrt((expected * beyond**2).sum())
     if spread < 1e-6:
-        p = nan
-    elif shuffled:
-        p = _swapped_p(apart, errors, np.random.default_rng(seed))
-    else:
+        return NearNeighbors(total, mean, by_chance, nan, "normal", 0, None)
+    rng, independent = np.random.default_rng(seed), total
+    if uses is not None:
+        parts = (np.stack(uses, axis=2)[:, placed][:, :, columns] * free * beyond).sum(axis=(1, 2))
+        parts = parts[np.abs(parts) > 1e-9]
+        spread, independent = np.linalg.norm(parts), len(parts)
+    if independent > MOST_SHUFFLED_ERRORS:
         p = float(ndtr((mean - by_chance) * total / spread))
-    method = ("Monte Carlo", NEAR_DRAWS, seed) if shuffled and p == p else ("normal", 0, None)  # noqa: PLR0124 - not NaN
-    return NearNeighbors(total, float(mean), float(by_chance), p, *method)
+        return NearNeighbors(total, mean, by_chance, p, "normal", 0, None)
+    p, method = (
+        (_swapped_p(apart, errors, rng), "Monte Carlo") if uses is None else (_flipped_p(parts, rng), "sign flips")
+    )
+    return NearNeighbors(total, mean, by_chance, p, method, NEAR_DRAWS, seed)
 
 
-def _spread(apart: Table, expected: Table) -> float:
-    """Return the standard deviation of the sum of distances when both margins are given."""
+def _beyond_margins(apart: Table, expected: Table) -> Table:
+    """Return the part of each distance that both margins leave free; its expected sum is 0."""
     there = expected > 0
-    weighted, basis = np.sqrt(expected[there]) * apart[there], _projection(expected, there)
-    return float(np.linalg.norm(weighted - basis @ (basis.T @ weighted)))
+    weights, basis = np.sqrt(expected[there]), _projection(expected, there)
+    beyond = np.zeros(expected.shape)
+    beyond[there] = apart[there] - basis @ (basis.T @ (weights * apart[there])) / weights
+    return beyond
+
+
+def _flipped_p(parts: NDArray[np.float64], rng: np.random.Generator) -> float:
+    """Return the share of sums, the data's among them, as small when participants' parts have flipped signs."""
+    flipped = (1 - 2 * rng.integers(2, size=(NEAR_DRAWS, len(parts)), dtype=np.int8)) @ parts
+    return float((1 + (flipped <= parts.sum() + 1e-6).sum()) / (1 + NEAR_DRAWS))
 
 
 def _swapped_p(apart: Table, errors: Counts, rng: np.random.Generator) -> float:

@@ -149,6 +149,7 @@ def test_near_neighbors_and_replications() -> None:
     near = NearNeighbors(125, 62.279, 68.317, 0.0125, "Monte Carlo", 3999, 0)
     said = "mean distance 62.3°, 68.3° expected, one-sided p = .013 (B = 3,999)"
     assert apa.near_neighbors(near) == said
+    assert apa.near_neighbors(replace(near, method="sign flips")) == f"{said}, errors of a participant taken together"
     none = near_neighbors(np.eye(2, dtype=np.int64), ("fear", "anger"))
     assert apa.near_neighbors(none) == "no confusions of emotions that have a place on it"
     fixed = near_neighbors(np.ones((2, 2), dtype=np.int64), ("fear", "anger"))

@@ -178,3 +178,36 @@ def test_information_of_perfect_answers_and_of_guessing(k: int) -> None:
     assert mutual_information(4 * np.eye(k, dtype=int)) == pytest.approx(np.log2(k))
     assert mutual_information(np.full((k, k), 3)) == pytest.approx(0, abs=1e-12)
     assert np.isnan(mutual_information(np.zeros((k, k), dtype=int)))
+
+
+def repeated(rng: np.random.Generator, people: int) -> list[np.ndarray]:
+    """Return the answers to each emotion (participants, labels) of people who give each answer three times."""
+    wrong = (np.arange(6) + rng.integers(1, 6, (people, 6))) % 6
+    answers = np.where(rng.random((people, 6)) < 0.5, np.arange(6), wrong)
+    return list(np.moveaxis(3 * np.eye(6, dtype=np.int64)[answers], 1, 0))
+
+
+def of_participants(uses: list[np.ndarray], seed: int = 0) -> float:
+    return near_neighbors(np.stack([used.sum(axis=0) for used in uses], axis=1), EMOTIONS, seed, uses).p
+
+
+def test_near_neighbors_holds_its_size_when_participants_repeat_their_errors() -> None:
+    rng = np.random.default_rng(5)
+    p = np.array([of_participants(repeated(rng, 20), i) for i in range(400)])
+    assert 0.02 < (p <= 0.05).mean() < 0.08  # standard error 0.011; about 0.2 where errors count as independent
+    assert 0.4 < p.mean() < 0.6
+
+
+def test_near_neighbors_of_one_participant_do_not_convince() -> None:
+    rng = np.random.default_rng(0)
+    uses = repeated(rng, 1)
+    assert of_participants(uses) > 0.4
+
+
+def test_near_neighbors_of_many_participants_use_the_normal_approximation() -> None:
+    uses = repeated(np.random.default_rng(2), 300)
+    many = [np.repeat(used, 5, axis=0) for used in uses]
+    counts = np.stack([used.sum(axis=0) for used in many], axis=1)
+    found = near_neighbors(counts, EMOTIONS, 0, many)
+    assert (found.method, found.draws, found.seed) == ("normal", 0, None)
+    assert norm.cdf(norm.ppf(found.p) / np.sqrt(5)) == pytest.approx(of_participants(uses), abs=0.03)
