@@ -10,6 +10,7 @@ Parallel runs never wait for each other to write, and a killed run loses nothing
 into the manifest, then removes its own and those of dead runs. Readers read the manifest and the journals.
 """
 
+import errno
 import fcntl
 import json
 import os
@@ -161,7 +162,10 @@ class Journal:
             # The line break in front ends a half-written line that an interrupted write may have left.
             line = b"\n" + json.dumps(entry).encode() + b"\n"
             while line:  # a full disk takes a part, and raises its error for the rest
-                line = line[self._file.write(line) :]
+                written = self._file.write(line)
+                if not written:
+                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+                line = line[written:]
         except OSError as error:
             raise not_written(self.folder / NAME, error) from None
 
