@@ -9,7 +9,7 @@ from typing import Any
 
 import matplotlib
 import numpy as np
-from fontTools.subset import Options
+from fontTools import subset
 from matplotlib.backends import backend_ps
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
@@ -91,14 +91,22 @@ def _fonts_prepared_fast() -> Iterator[None]:
     them takes a quarter of the time of a study's figures. For an EPS file matplotlib draws all 6,000 glyphs to find the
     same box, which takes longer than the figure.
     """
-    tables = Options._drop_tables_default
+    load: Any = subset.load_font
     bounds: Any = getattr(backend_ps, "_bounds", None)
-    Options._drop_tables_default = [*tables, *_LAYOUT_TABLES]
+
+    def load_for_drawing(*arguments: Any, **options: Any) -> Any:
+        font = load(*arguments, **options)
+        for table in _LAYOUT_TABLES:
+            if table in font:
+                del font[table]
+        return font
+
+    subset.load_font = load_for_drawing
     backend_ps._bounds = lambda font: tuple(getattr(font["head"], side) for side in ("xMin", "yMin", "xMax", "yMax"))
     try:
         yield
     finally:
-        Options._drop_tables_default = tables
+        subset.load_font = load
         backend_ps._bounds = bounds
 
 
@@ -119,8 +127,9 @@ def save(figure: Figure, path: Path) -> None:
 
 def settle(figure: Figure) -> Figure:
     """Fix the layout of a figure: matplotlib would compute it again, with another result, each time it saves."""
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
+    if figure.get_layout_engine() is not None:
+        figure.draw_without_rendering()
+        figure.set_layout_engine(None)  # "none" leaves an empty engine, for which matplotlib draws twice to save
     return figure
 
 
