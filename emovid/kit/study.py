@@ -1,6 +1,6 @@
 """The keys of study.yaml, and the rules between them."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
@@ -354,7 +354,7 @@ def _faults(study: Study) -> Iterator[tuple[str, str]]:
     yield from _name_faults(study)
     for language, translation in study.translations.items():
         for key, message in _translation_faults(study, translation):
-            yield f"translations.{language}.{key}", message
+            yield f"translations.{language}.{key}".removesuffix("."), message
     if study.plan.rate * len(study.answers) <= 1:
         yield "plan.rate", f"{study.plan.rate:g}: expected more than chance, which is 1 in {len(study.answers)}"
 
@@ -362,15 +362,21 @@ def _faults(study: Study) -> Iterator[tuple[str, str]]:
 def _translation_faults(study: Study, translation: Translation) -> Iterator[tuple[str, str]]:
     """Yield the gaps of a translation."""
     asked: list[Question | AttentionCheck] = [*study.demographics, *study.questions_after, *study.checks]
-    groups: list[tuple[str, Collection[str], Collection[str]]] = [
-        ("labels", study.labels, translation.labels),
-        ("ratings", study.ratings.asked, translation.ratings),
-        ("questions", [item.name for item in asked], translation.questions),
+    question = {item.name: "{question: ..., choices: [...]}" if item.choices else "{question: ...}" for item in asked}
+    groups: list[tuple[str, Mapping[str, str], Collection[str]]] = [
+        ("labels", dict.fromkeys(study.labels, "..."), translation.labels),
+        ("ratings", dict.fromkeys(study.ratings.asked, "{question: ..., low: ..., high: ...}"), translation.ratings),
+        ("questions", question, translation.questions),
     ]
+    missing = [
+        f"{key}.{name} ({name}: {form})"
+        for key, forms, given in groups
+        for name, form in forms.items()
+        if name not in given
+    ]
+    if missing:
+        yield "", f"missing texts in this language: {', '.join(missing)}"
     for key, wanted, given in groups:
-        for name in wanted:
-            if name not in given:
-                yield key, f"{name} is missing; expected its text in this language"
         for name in given:
             if name not in wanted:
                 yield f"{key}.{name}", f"unknown name{nearest(name, wanted)}; expected {', '.join(wanted)}"

@@ -226,3 +226,19 @@ def test_commented_translation_of_the_example_is_yaml_once_uncommented() -> None
     lines = [line.removeprefix("# ").removeprefix("#") for line in example.splitlines()[1:]]
     values, _ = read_yaml("\n".join([f"{before}translations:", *lines, f"authors:{after}"]), "study.yaml")
     assert values["translations"]["de"]["questions"]["gender"]["question"] == "Was ist Ihr Geschlecht?"
+
+
+def test_all_missing_texts_of_a_language_are_named_at_once_with_their_form(tmp_path) -> None:
+    text = (
+        STUDY
+        + """ratings: {confidence: {question: Sure, low: a, high: b}}
+translations:
+  de: {title: x, question: y, labels: {happiness: Freude}, consent: a, instructions: b, thanks: c}
+"""
+    )
+    with pytest.raises(EmovidError) as refused:
+        load_study(write_study(tmp_path, text))
+    message = str(refused.value)
+    assert "translations.de: missing texts in this language: labels.surprise (surprise: ...), " in message
+    assert "ratings.confidence (confidence: {question: ..., low: ..., high: ...})" in message
+    assert message.endswith("questions.gender (gender: {question: ..., choices: [...]})")

@@ -532,6 +532,24 @@ def test_paths_may_be_strings(tmp_path) -> None:
     assert found.counts().tolist() == COUNTS
 
 
+@pytest.mark.parametrize("first", ["the same", "happiness"])
+def test_survey_without_a_key_is_refused_whatever_its_first_answers(read, first) -> None:
+    """Answers on which all participants agree, and first answers that are all one label, looked like a key."""
+    answers = [(person, code, EMOTIONS[i]) for person in ("P1", "P2") for i, code in enumerate(CODES)]
+    rows = [f"{who},{code},1,{said},{said if first == 'the same' else first}\n" for who, code, said in answers]
+    text = "participant,video,position,response,first_response\n" + "".join(rows)
+    with pytest.raises(SourceError, match="do not contain the true emotions; expected --key"):
+        read(text)
+    assert read(text, KEY).counts().sum() == 12
+
+
+def test_first_answers_are_analyzed_where_a_map_names_them(read) -> None:
+    rows = [f"P{i},{next(iter(CODES))},1,fear,anger\n" for i in range(3)]
+    text = "participant,video,position,response,first_response\n" + "".join(rows)
+    found = read(text, KEY, "response: first_response\n")
+    assert set(found.answers["perceived"]) == {"anger"}
+
+
 def test_described_columns_of_a_readable_export(tmp_path) -> None:
     (tmp_path / "own.csv").write_bytes(own().files["own.csv"])
     (tmp_path / "key.csv").write_text(KEY)

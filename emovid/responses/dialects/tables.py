@@ -59,10 +59,27 @@ def recognizes_survey(table: Table, known: Known) -> bool:
 
 
 def read_survey(table: Table, known: Known) -> ParsedExport:
-    """Read the export of our own survey; list the participants and answers that the study's rules leave out."""
+    """Read the export of our own survey; list the participants and answers that the study's rules leave out.
+
+    Raises:
+        SourceError: without a key, unless the names of the videos or a map tell the true emotions.
+    """
+    table = _without_truth(table, known)
     form = Format(answers=("response",), participants=SURVEY_COLUMNS[:1], is_tool=RECORDED.__contains__)
     parsed = read_long(table, known, form, _survey_marks)
     return replace(parsed, excluded=tuple(_excluded_by_survey(table, known)))
+
+
+def _without_truth(table: Table, known: Known) -> Table:
+    """Return a table of our own survey, none of whose columns can look like that of the true emotions."""
+    videos = table.cells[table.names.index("video")]
+    shown = [video for video in videos.unique() if video]
+    if shown and not (known.codes or known.mapping.truth or any(known.emotion(video) for video in shown)):
+        message = "the survey's answers do not contain the true emotions; expected --key kit/private/key.csv"
+        raise SourceError(table.file, message, 1)
+    if "first_response" not in table.names or "first_response" in known.mapping.response:
+        return table
+    return table.replaced(table.names.index("first_response"), pd.Series("", index=table.cells.index, dtype="str"))
 
 
 def _survey_marks(table: Table) -> Marks:
