@@ -33,6 +33,7 @@ _BAR = 8.0  # least width of a bar in a figure of one column [pt]
 _LINE = 1.6 * TEXT  # of a legend [pt]
 _HEIGHT = 2.4  # of a figure with short names [in]
 _SHORT = 30.0  # names on the axis that are longer [pt] make it higher, as do more lines of legend than two
+_GAP = 5.0  # from the horizontal axis to the numbers of answers [pt]: below the 0 of the vertical axis
 _SLANT = 35  # of names that do not fit side by side [degrees]
 
 
@@ -101,11 +102,18 @@ def _draw_numbers(axes: Axes, answers: NDArray[np.int64], bar: float) -> float:
     where: Any = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "ha": "center", "va": "top"}
     for (level, emotion), n in np.ndenumerate(answers):
         x = emotion + (level - (len(answers) - 1) / 2) * _BARS / len(answers)
-        axes.annotate(str(n), (x, 0), (0, -2), rotation=90 if upright else 0, color=QUIET, **where)
+        axes.annotate(str(n), (x, 0), (0, -_GAP), rotation=90 if upright else 0, color=QUIET, **where)
     axes.annotate(
-        "n", (0, 0), (-4, -2), xycoords="axes fraction", textcoords="offset points", ha="right", va="top", color=QUIET
+        "n",
+        (0, 0),
+        (-4, -_GAP),
+        xycoords="axes fraction",
+        textcoords="offset points",
+        ha="right",
+        va="top",
+        color=QUIET,
     )
-    return (widest if upright else TEXT) + 4
+    return (widest if upright else TEXT) + _GAP + 2
 
 
 def _draw_axes(axes: Axes, emotions: list[str], place: float, numbers: float) -> float:

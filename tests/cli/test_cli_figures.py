@@ -77,7 +77,7 @@ def test_quiet_prints_nothing_and_json_lists_the_files(capsys) -> None:
 def test_frames_of_any_scene_at_any_times() -> None:
     main(["scene", "new", "mine.yaml", "--from", "sadness"])
     assert main(["figures", "frames", "mine.yaml", "--times", "0,2.5,8,15", "--format", "svg"]) == 0
-    assert files() == {"mine.yaml", "figures/mine-frames.svg"}
+    assert files() == {"mine.yaml", "emovid-scene.schema.json", "figures/mine-frames.svg"}
 
 
 def test_frames_of_the_paper_show_its_scene_with_full_traces() -> None:
@@ -221,7 +221,7 @@ def test_seed_without_room_for_the_robots_writes_no_file(capsys, monkeypatch) ->
     Path("mine.yaml").write_text(Path("mine.yaml").read_text().replace("robots: 15", "robots: 900"))
     assert main(["figures", "frames", "mine.yaml"]) == 2
     assert "robots do not fit" in capsys.readouterr().err
-    assert files() == {"mine.yaml"}
+    assert files() == {"mine.yaml", "emovid-scene.schema.json"}
 
 
 def test_progress_bar_names_the_figures() -> None:

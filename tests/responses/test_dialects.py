@@ -247,3 +247,14 @@ def test_the_log_of_one_run_of_e_prime_is_refused(tmp_path) -> None:
     (tmp_path / "emo-1-1.txt").write_bytes("*** Header Start ***\r\nLevelName: Session\r\n".encode("utf-16"))
     with pytest.raises(SourceError, match="the log of one run of E-Prime; expected the text that E-DataAid or E-Merge"):
         read_responses(tmp_path / "emo-1-1.txt")
+
+
+def test_export_of_the_own_survey_needs_its_key(tmp_path) -> None:
+    rows = ["participant,video,position,response,first_response,changes,status,mode"]
+    rows += [f"p-{i},{code},{j},{label},{label},0,finished,study" for i in (1, 2) for j, (code, label) in enumerate(
+        zip(CODES, EMOTIONS, strict=True), start=1)]  # fmt: skip
+    (tmp_path / "r.csv").write_text("\n".join(rows) + "\n")
+    with pytest.raises(SourceError, match=r"the survey's videos have codes; expected the kit's key: --key"):
+        read_responses(tmp_path / "r.csv")
+    (tmp_path / "key.csv").write_text(KEY)
+    assert read_responses(tmp_path / "r.csv", tmp_path / "key.csv").counts().sum() == 12
