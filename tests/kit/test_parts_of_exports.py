@@ -46,7 +46,7 @@ def returns(tmp_path_factory) -> Kit:
 
 
 def text_of(kit: Kit, tool: str, name: str) -> str:
-    export(kit, tool, video_url="https://example.org/v")
+    export(kit, tool, video_url="https://example.org/v", force=True)
     return (kit.folder.exports / tool / name).read_text(encoding="utf-8")
 
 
@@ -59,7 +59,7 @@ def test_every_part_is_listed_for_every_tool(returns, tool) -> None:
 
 @pytest.mark.parametrize("tool", ["jspsych", "psychopy", "qualtrics", "limesurvey"])
 def test_all_videos_are_copied(kit, tool) -> None:
-    export(kit, tool)
+    export(kit, tool, force=True)
     names = {path.stem for path in (kit.folder.exports / tool / "videos").iterdir()}
     assert names == set(kit.manifest.all_videos)
     assert len(names) == 9

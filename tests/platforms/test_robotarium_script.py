@@ -40,9 +40,9 @@ def scene_of(emotion: str, **keys: object) -> Scene:
 
 
 @cache
-def runs(emotion: str) -> tuple[Trajectory, Trajectory, rps_stand_in.StandIn]:
+def runs(emotion: str, seed: int = 1) -> tuple[Trajectory, Trajectory, rps_stand_in.StandIn]:
     """Return the simulated run of 15 s, the run of the script in simulator 1.x, and the simulator."""
-    scene = scene_of(emotion)
+    scene = scene_of(emotion, seed=seed)
     simulator, _ = rps_stand_in.run(robotarium_script(scene, emotion, TODAY, trails=True), INTERFACES[0])
     return simulate(scene), simulator.run_of(scene), simulator
 
@@ -75,12 +75,12 @@ def test_contours_match_the_simulation_within_a_centimeter_over_15_s(emotion) ->
 
 @pytest.mark.parametrize("emotion", SPREAD)
 def test_coverage_matches_the_simulation_in_its_descriptors(emotion) -> None:
-    # Angular motion is chaotic: rounding differences change single turns.
-    ours, theirs = (describe(run) for run in runs(emotion)[:2])
+    # Angular motion is chaotic: rounding differences change single turns. The mean of three seeds is steadier.
+    pairs = [[describe(run) for run in runs(emotion, seed)[:2]] for seed in (1, 2, 3)]
     for name in ("speed_mean", "speed_p95", "radius_of_gyration_mean", "nearest_neighbour_mean", "trace_length"):
-        assert theirs[name] == pytest.approx(ours[name], rel=0.1), name
+        assert np.mean([theirs[name] / ours[name] for ours, theirs in pairs]) == pytest.approx(1, abs=0.05), name
     for name in ("radius_of_gyration_end", "distance_to_boundary_end", "turning_per_metre"):
-        assert theirs[name] == pytest.approx(ours[name], rel=0.2), name
+        assert np.mean([theirs[name] / ours[name] for ours, theirs in pairs]) == pytest.approx(1, abs=0.1), name
 
 
 @pytest.mark.parametrize("emotion", ["happiness", "surprise"])

@@ -254,7 +254,7 @@ def test_export_of_the_own_survey_needs_its_key(tmp_path) -> None:
     rows += [f"p-{i},{code},{j},{label},{label},0,finished,study" for i in (1, 2) for j, (code, label) in enumerate(
         zip(CODES, EMOTIONS, strict=True), start=1)]  # fmt: skip
     (tmp_path / "r.csv").write_text("\n".join(rows) + "\n")
-    with pytest.raises(SourceError, match=r"the survey's videos have codes; expected the kit's key: --key"):
+    with pytest.raises(SourceError, match=r"the survey's answers do not contain the true emotions; expected --key"):
         read_responses(tmp_path / "r.csv")
     (tmp_path / "key.csv").write_text(KEY)
     assert read_responses(tmp_path / "r.csv", tmp_path / "key.csv").counts().sum() == 12
