@@ -29,7 +29,7 @@ def test_boxes_in_containers_are_found_with_their_offsets() -> None:
 
 @pytest.mark.parametrize("data", [b"abc", box(b"free")[:-1], struct.pack(">I4s", 7, b"free"), b"\0\0\0\x09free"])
 def test_invalid_mp4_boxes_are_refused(data) -> None:
-    with pytest.raises(ValueError, match=r"no (whole )?box at byte 12"):
+    with pytest.raises(ValueError, match=r"no (complete )?box at byte 12"):
         list(boxes(box(b"ftyp", b"isom") + data))
 
 
