@@ -53,6 +53,14 @@ def test_each_video_has_its_own_results(exemplars) -> None:
     assert "permutation test that keeps each participant" in page
 
 
+def test_errors_count_as_independent_only_where_participants_are_not_taken_together() -> None:
+    words = "counted as independent: repeated confusions"
+    reference = read_responses([Path(__file__).parents[2] / "studies" / "santos-egerstedt" / "responses.csv"])
+    for found, method in ((analyzed("repeated", "key.csv"), "sign flips"), (analyze(reference), "Monte Carlo")):
+        assert found.near_neighbours.method == method
+        assert (words in report_html(found, None)) == (method == "Monte Carlo")
+
+
 def test_overall_test_uses_all_311_answers() -> None:
     found = analyzed("repeated", "key.csv")
     assert found.dependence.total_recognition.n == found.accuracy.n == found.n_responses == 311
