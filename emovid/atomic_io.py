@@ -9,13 +9,13 @@ import re
 import shutil
 import socket
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from typing import IO
 
-from emovid.errors import EmovidError, InputError, reason
+from emovid.errors import MORE_FILES, EmovidError, InputError, reason
 
 _SUFFIX = ".part"
 _FORMER = f".former{_SUFFIX}"
@@ -32,7 +32,7 @@ _REMEDIES = {
     errno.EACCES: "choose another folder",
     errno.EPERM: "choose another folder",
     errno.ENOENT: "is its folder still there?",
-    errno.EMFILE: "raise the limit on open files (ulimit -n)",
+    errno.EMFILE: MORE_FILES,
     errno.ENAMETOOLONG: "choose a shorter name",
 }
 
@@ -101,6 +101,24 @@ def replace_if_changed(target: Path, data: bytes) -> None:
             return
     with writing(target) as file:
         file.write(data)
+
+
+def check_existing(files: Mapping[Path, bytes], *, force: bool) -> None:
+    """Check that files of the given contents replace no other ones, unless with `force`.
+
+    Raises:
+        InputError: for an existing file with other content, or a folder in the place of a file.
+    """
+    for target, data in files.items():
+        if target.is_dir():
+            raise InputError(f"{target}: is a folder; expected a file that can be replaced")
+        if target.exists() and not force and target.read_bytes() != data:
+            raise other_content(target)
+
+
+def other_content(target: Path) -> InputError:
+    """Return the error of an existing file whose content would change."""
+    return InputError(f"{target} exists with other content; use --force to overwrite it, or -o")
 
 
 def make_folder(folder: Path) -> None:

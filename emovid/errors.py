@@ -12,9 +12,9 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from typing import TextIO
 
-_MISSING_GLYPH = re.compile(
-    r"Glyph (\d+) .* missing from font\(s\) (.*?)\.?$"
-)  # matplotlib warns about each glyph, each time
+MORE_FILES = "raise the limit on open files (ulimit -n)"
+# matplotlib warns about each glyph, each time.
+_MISSING_GLYPH = re.compile(r"Glyph (\d+) .* missing from font\(s\) (.*?)\.?$")
 _fonts_told: set[str] = set()
 
 
@@ -65,7 +65,7 @@ def nearest(word: str, known: Iterable[str]) -> str:
 def reason(error: OSError) -> str:
     """Return the system's description of an error, in lower case, with a remedy for too many open files."""
     text = (error.strerror or str(error)).lower()
-    return f"{text}: raise the limit on open files (ulimit -n)" if error.errno == errno.EMFILE else text
+    return f"{text}: {MORE_FILES}" if error.errno == errno.EMFILE else text
 
 
 def quoted(text: str, longest: int = 40) -> str:

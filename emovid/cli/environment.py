@@ -1,5 +1,6 @@
 """The environment that commands run in: standard streams, matplotlib's settings and folders, threads of OpenBLAS."""
 
+import logging
 import os
 import sys
 from contextlib import suppress
@@ -38,7 +39,7 @@ def set_up_streams() -> None:
 
 
 def set_up_libraries() -> None:
-    """Set the variables that matplotlib and OpenBLAS read when they are imported, here and in worker processes."""
+    """Set up matplotlib and OpenBLAS by what they read when they are imported, here and in worker processes."""
     os.environ["MPLBACKEND"] = "agg"  # nothing is shown; a notebook sets a backend that exists only there
     if not _has_matplotlib_folders():
         # Without a folder for its caches matplotlib prints a warning, and reads all fonts again in every process.
@@ -47,6 +48,8 @@ def set_up_libraries() -> None:
             folder.mkdir(mode=0o700, exist_ok=True)
             if folder.stat().st_uid == os.getuid():
                 os.environ["MPLCONFIGDIR"] = str(folder)
+    # On a slow machine, matplotlib logs that it reads the fonts, even with --quiet.
+    logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)
     # Commands are short: threads that help only with larger matrices than ours would cost 0.2 s each to start.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 

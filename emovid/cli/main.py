@@ -100,9 +100,6 @@ class ListedCommand(TyperCommand):
 
     def load(self) -> TyperCommand:
         """Return the command itself."""
-        # On a slow machine, matplotlib logs that it reads the fonts, even with --quiet. Help needs no logging.
-        logging = import_module("logging")
-        logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)
         module, _, function = self.entry.source.partition(":")
         alone = typer.Typer(add_completion=False)
         alone.command(self.entry.name)(getattr(import_module(f"emovid.cli.{module}"), function))

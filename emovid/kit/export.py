@@ -1,12 +1,11 @@
 """Exports of a kit for other tools: `emovid study export`."""
 
-import hashlib
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from emovid.atomic_io import file_digest, make_folder, whole_file
+from emovid.atomic_io import check_existing, make_folder, whole_file
 from emovid.errors import InputError, nearest, reason
 from emovid.kit.exports import jspsych, limesurvey, psychopy, qualtrics
 from emovid.kit.exports.design import REVISION, DesignPart, Limits, Status, design_of
@@ -105,8 +104,7 @@ def export(
     target = folder or kit.folder.exports / tool
     texts = {target / name: text for name, text in TOOLS[tool](kit, video_url, answers).items()}
     videos = _videos(kit, target / "videos") if tool in _LIMITS else {}
-    if not force:
-        _check_existing({file: text.encode() for file, text in texts.items()} | videos)
+    check_existing({file: text.encode() for file, text in texts.items()} | videos, force=force)
     for file, text in texts.items():
         make_folder(file.parent)
         write_text(file, text)
@@ -150,12 +148,6 @@ def _videos(kit: Kit, folder: Path) -> dict[Path, bytes]:
         except OSError as error:
             raise InputError(f"{source}: {reason(error)}; expected a video of the kit: build it again") from None
     return found
-
-
-def _check_existing(files: Mapping[Path, bytes]) -> None:
-    for file, data in files.items():
-        if file.exists() and file_digest(file) != hashlib.sha256(data).hexdigest():
-            raise InputError(f"{file} exists with other content; use --force to overwrite it, or -o")
 
 
 def _write_videos(videos: Mapping[Path, bytes]) -> None:

@@ -20,9 +20,8 @@ LEFT_OUT = "left out: "  # before the reason, in the list of what was rejected
 # Columns of an export that tell about the quality of single answers.
 MEASURED = ("response_ms", "watched_share", "frames", "dropped_frames", "stalls", "stalled_ms", "failed_checks")
 FEWEST_ALIKE = 3  # ours: videos to which one and the same label is a sign
-_FAST = (
-    0.5  # of the median time of all participants; R. Greszki, M. Meyer and H. Schoen, Public Opinion Quarterly 79, 2015
-)
+# Of the median time of all participants: R. Greszki, M. Meyer and H. Schoen, Public Opinion Quarterly 79, 2015.
+_FAST = 0.5
 _WATCHED = 0.95  # ours: below this share of its length a video was not watched to the end
 _DROPPED = 0.1  # ours: of the frames
 

@@ -5,8 +5,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import IO
 
-from emovid.atomic_io import file_digest, make_folder, whole_file, writing
-from emovid.errors import InputError
+from emovid.atomic_io import check_existing, file_digest, make_folder, other_content, whole_file, writing
 
 STDOUT = Path("-")
 
@@ -20,11 +19,7 @@ def write_outputs(files: Mapping[Path, bytes], *, force: bool) -> None:
         InputError: for an existing file with other content, or a folder in its place.
         EmovidError: if a file cannot be written.
     """
-    for target, data in files.items():
-        if target.is_dir():
-            raise InputError(f"{target}: is a folder; expected a file that can be replaced")
-        if target.exists() and not force and target.read_bytes() != data:
-            raise _exists(target)
+    check_existing(files, force=force)
     for target, data in files.items():
         if target == STDOUT:
             sys.stdout.buffer.write(data)
@@ -46,8 +41,4 @@ def write_output(target: Path, write: Callable[[IO[bytes]], None], *, force: boo
         with part.open("wb") as file:
             write(file)
         if target.exists() and not force and file_digest(target) != file_digest(part):
-            raise _exists(target)
-
-
-def _exists(target: Path) -> InputError:
-    return InputError(f"{target} exists with other content; use --force to overwrite it, or -o")
+            raise other_content(target)

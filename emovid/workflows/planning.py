@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import nan
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +38,7 @@ def plan_study(rate: float = 0.4, choices: int = 6, videos: int = 6, alpha: floa
         InputError: for numbers out of range.
     """
     for name, share in (("rate", rate), ("alpha", alpha), ("power", power)):
-        if not isinstance(share, int | float) or not 0 <= share <= 1:
+        if not isinstance(share, Real) or not 0 <= float(share) <= 1:
             raise InputError(f"{name}: {share!r}: expected a share from 0 to 1")
     if choices < 2:
         raise InputError(f"choices: {choices}: expected at least 2")

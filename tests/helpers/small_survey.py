@@ -20,6 +20,17 @@ consent: {text: You can stop at any time., version: "1"}
 instructions: Watch each video to its end.
 thanks: {text: Thank you., code: C0MPLETE, link: "https://example.org/back?study=1&done=yes"}
 """
+# Parts that a study may have besides.
+PARTS = """\
+practice: {scene: happiness}
+checks:
+  - {name: shape, scene: sadness, question: "Which shape?", choices: [Circle, Star], answer: Circle, after: 3}
+questions_after:
+  - {name: comments, question: "Comments?", long: true, required: false}
+  - {name: age, question: "Age?", number: {low: 18, high: 99}}
+  - {name: tools, question: "Tools?", choices: [A, B, C], several: true, required: false}
+debriefing: This was about motion.
+"""
 LABELS = ("happiness", "surprise", "anger", "fear", "disgust", "sadness")
 
 

@@ -15,22 +15,13 @@ from emovid.survey.app import create_app
 from emovid.survey.store import Store
 from tests.helpers.participant import DESKTOP, PHONE
 from tests.helpers.served import serving
-from tests.helpers.small_survey import STUDY, small_kit
+from tests.helpers.small_survey import LABELS, PARTS, STUDY, small_kit
 from tests.helpers.visitor import Clock, Visitor
 
 playwright_axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="no axe-core: NOT TRIED")
 
-LABELS = ("happiness", "surprise", "anger", "fear", "disgust", "sadness")
-PARTS = """\
+MORE = """\
 ratings: {confidence: {question: "How sure are you?", low: not at all, high: completely, steps: 7}}
-practice: {scene: happiness}
-checks:
-  - {name: shape, scene: sadness, question: "Which shape?", choices: [Circle, Star], answer: Circle, after: 3}
-questions_after:
-  - {name: comments, question: "Comments?", long: true, required: false}
-  - {name: age, question: "Age?", number: {low: 18, high: 99}}
-  - {name: tools, question: "Tools?", choices: [A, B, C], several: true, required: false}
-debriefing: This was about motion.
 recruitment: {service: prolific, automatic: 500}
 translations:
 """
@@ -65,7 +56,7 @@ def server(kit):
 @pytest.fixture(scope="module")
 def everything(tmp_path_factory) -> Kit:
     """Build a kit with all kinds of pages in all languages."""
-    text = STUDY + PARTS + "".join(TRANSLATION.replace("LANGUAGE", name) for name in TRANSLATED)
+    text = STUDY + PARTS + MORE + "".join(TRANSLATION.replace("LANGUAGE", name) for name in TRANSLATED)
     return open_public(small_kit(tmp_path_factory.mktemp("pages"), text))
 
 

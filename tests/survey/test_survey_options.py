@@ -21,20 +21,13 @@ from emovid.survey.app import create_app
 from emovid.survey.database import DatabaseBusyError
 from emovid.survey.export import responses_csv
 from emovid.survey.store import Store, Withdrawal
-from tests.helpers.small_survey import STUDY, small_kit
+from tests.helpers.small_survey import PARTS, STUDY, small_kit
 from tests.helpers.visitor import Clock, Visitor
 
 EVERYTHING = (
     STUDY.replace('"https://example.org/back?study=1&done=yes"', '"https://example.org/back?pid={PROLIFIC_PID}"')
-    + """
-practice: {scene: happiness}
-checks:
-  - {name: shape, scene: sadness, question: "Which shape?", choices: [Circle, Star], answer: Circle, after: 3}
-questions_after:
-  - {name: comments, question: "Comments?", long: true, required: false}
-  - {name: age, question: "Age?", number: {low: 18, high: 99}}
-  - {name: tools, question: "Tools?", choices: [A, B, C], several: true, required: false}
-debriefing: This was about motion.
+    + PARTS
+    + """\
 requirements: {text: Please use a computer., devices: [desktop], min_width: 600, browsers: [firefox, chrome]}
 recruitment: {service: prolific, automatic: 5, declined: {code: N0PE}, failed: {code: FA1LED}}
 counting: {failed_checks: false, max_stalled_ms: 500}

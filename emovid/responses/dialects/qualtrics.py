@@ -53,7 +53,7 @@ def read(table: Table, known: Known) -> ParsedExport:
         raise SourceError(table.file, "only headers; expected a row for each response", 1)
     table = table.with_texts(headers) if headers else table
     people = {
-        **_states(table, known),
+        **_previews_tests_and_spam(table, known),
         "bot": below(table, 0.5, "Q_RecaptchaScore"),
         "partial": _unfinished(table),
     }
@@ -65,7 +65,7 @@ def read(table: Table, known: Known) -> ParsedExport:
     return _with_positions(raw, table, known)
 
 
-def _states(table: Table, known: Known) -> dict[str, Column]:
+def _previews_tests_and_spam(table: Table, known: Known) -> dict[str, Column]:
     """Return the responses (True) that are previews, tests or spam.
 
     Raises:

@@ -77,7 +77,8 @@ def _without_truth(table: Table, known: Known) -> Table:
     if shown and not (known.codes or known.mapping.truth or any(known.emotion(video) for video in shown)):
         message = "the survey's answers do not contain the true emotions; expected --key kit/private/key.csv"
         raise SourceError(table.file, message, 1)
-    if "first_response" not in table.names or "first_response" in known.mapping.response:
+    named = (*known.mapping.response, known.mapping.truth)
+    if "first_response" not in table.names or "first_response" in named:
         return table
     return table.replaced(table.names.index("first_response"), pd.Series("", index=table.cells.index, dtype="str"))
 
