@@ -6,7 +6,6 @@ Scale, rate and the direction of y are keys that the file has to have: none of t
 import csv
 import json
 from collections.abc import Callable, Iterator, Mapping
-from itertools import zip_longest
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -156,6 +155,9 @@ def load_positions(source: Path, scene: Scene) -> RecordedTrajectory:
 
 def _gathered(samples: Samples, track: Track, source: Path) -> tuple[Array, Array]:
     """Return times (T,) [s] and poses (T, N, 3), or positions (T, N, 2) without headings, in meters, y up."""
+    for name, robot in samples.items():
+        if any(not np.isfinite(at) and np.isfinite(pose[:2]).all() for at, pose in robot.items()):
+            raise InputError(f"{source}: {track.file}: robot {name} has a position without a time")
     rate = track.rate or 1.0  # without one, samples have times in seconds
     first, last = -np.inf if track.start is None else track.start, np.inf if track.end is None else track.end
     times = sorted(
@@ -221,11 +223,20 @@ def _scale_fault(points: Array, track: Track) -> str | None:
 
 
 def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """Yield the rows of a CSV file with their line numbers."""
+    """Yield the rows of a CSV file with their line numbers.
+
+    Raises:
+        InputError: for a file that cannot be read, or a row that is not as long as the first one.
+    """
+    width = 0
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             reader = csv.reader(file)
             for row in reader:
+                width = width or len(row)
+                if row and len(row) != width:
+                    where = f"{path}:{reader.line_num}"
+                    raise InputError(f"{where}: ragged row: {len(row)} cells where the header has {width}")
                 if row:
                     yield reader.line_num, row
     except (OSError, UnicodeDecodeError, csv.Error) as error:
@@ -265,13 +276,12 @@ def _long(path: Path, names: Mapping[str, str], optional: Mapping[str, str] | No
             raise InputError(f"{path}: no column {name!r}{has}")
     samples: Samples = {}
     for line, row in rows:
-        cells = dict(zip_longest(range(len(head)), row, fillvalue=""))
         where = f"{path}:{line}"
-        time, x, y = (_number(cells[place[key]], where) for key in ("time", "x", "y"))
-        heading = _number(cells[place["heading"]], where) if "heading" in place else float("nan")
-        robot = samples.setdefault(cells[place["robot"]], {})
+        time, x, y = (_number(row[place[key]], where) for key in ("time", "x", "y"))
+        heading = _number(row[place["heading"]], where) if "heading" in place else float("nan")
+        robot = samples.setdefault(row[place["robot"]], {})
         if time in robot:
-            raise InputError(f"{where}: robot {cells[place['robot']]} is given twice at {time:g}")
+            raise InputError(f"{where}: robot {row[place['robot']]} is given twice at {time:g}")
         robot[time] = (x, y, heading)
     return samples
 
@@ -334,8 +344,9 @@ def _trex_arrays(file: Path) -> Mapping[str, Array]:
     """Return the arrays of an individual by name; a CSV has units in parentheses behind the names."""
     if file.suffix == ".csv":
         (_, head), *rows = list(_rows(file)) or [(0, [])]
-        columns = zip(*([_number(cell, f"{file}:{line}") for cell in row] for line, row in rows), strict=True)
-        return {name.partition(" (")[0]: np.array(column) for name, column in zip(head, columns, strict=False)}
+        columns = np.array([[_number(cell, f"{file}:{line}") for cell in row] for line, row in rows])
+        columns = columns.reshape(len(rows), len(head)).T
+        return {name.partition(" (")[0]: np.array(column) for name, column in zip(head, columns, strict=True)}
     try:
         with np.load(file, allow_pickle=False) as arrays:
             return {

@@ -69,6 +69,33 @@ def test_impossible_scales_are_refused(tmp_path, keys, message) -> None:
     assert error.value.key == "scale"
 
 
+@pytest.mark.parametrize(
+    ("format", "text"),
+    [
+        ("trex", "time,X#wcentroid (cm),Y#wcentroid (cm)\n0,1,2\n0.1,1\n"),
+        ("deeplabcut", "scorer,s,s,s\nbodyparts,b,b,b\ncoords,x,y,likelihood\n0,1,2,1\n1,1\n"),
+        ("idtracker", "time,x1,y1\n0,1,2\n0.1,1\n"),
+        ("long", "frame,id,x,y\n0,a,1,2\n1,a\n"),
+    ],
+)
+def test_ragged_rows_are_refused_with_their_line(tmp_path, format, text) -> None:
+    (tmp_path / "trajectories.csv").write_text(text)
+    rate = {"rate": 10} if format in ("deeplabcut", "long") else {}
+    columns = {"columns": {"frame": "frame"}} if format == "long" else {}
+    track = described(tmp_path, file="trajectories.csv", format=format, **rate, **columns)
+    line = len(text.splitlines())
+    with pytest.raises(
+        InputError, match=rf"trajectories\.csv:{line}: ragged row: [12] cells? where the header has [34]"
+    ):
+        load_track(track)
+
+
+def test_position_without_a_time_is_refused(tmp_path) -> None:
+    (tmp_path / "gap.csv").write_text("time,robot,x,y\n0,0,0,0\n,0,0.1,0\n1,0,0.2,0\n")
+    with pytest.raises(InputError, match="robot 0 has a position without a time"):
+        load_positions(tmp_path / "gap.csv", load_scene("anger"))
+
+
 def test_csv_with_semicolons_or_a_missing_position_gets_a_remedy(tmp_path) -> None:
     scene = load_scene("anger")
     (tmp_path / "semi.csv").write_text("time;robot;x;y\n0;0;0;0\n")
